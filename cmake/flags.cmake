@@ -1,0 +1,21 @@
+# Compiler flags of all of snell's own code.
+add_library(snell_flags INTERFACE)
+
+# -ffp-contract=off: the same picture on every instruction set. -fno-math-errno: sqrt without a branch and a call.
+target_compile_options(snell_flags INTERFACE -ffp-contract=off -fno-math-errno -fno-trapping-math
+    -Wall -Wextra -Wconversion -Wshadow -Wno-psabi)
+if(SNELL_WARNINGS_AS_ERRORS)
+    target_compile_options(snell_flags INTERFACE -Werror)
+endif()
+
+if(CMAKE_SYSTEM_PROCESSOR MATCHES "x86_64|AMD64")
+    target_compile_options(snell_flags INTERFACE -march=x86-64-v2)
+endif()
+
+set(CMAKE_CXX_FLAGS_RELEASE "-O3 -DNDEBUG")
+set(CMAKE_CXX_FLAGS_DEBUG "-Og -g")
+
+if(SNELL_SANITIZE)
+    target_compile_options(snell_flags INTERFACE -fsanitize=${SNELL_SANITIZE} -fno-omit-frame-pointer -fno-sanitize-recover=all)
+    target_link_options(snell_flags INTERFACE -fsanitize=${SNELL_SANITIZE})
+endif()

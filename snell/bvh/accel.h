@@ -1,0 +1,63 @@
+// Ray intersection structures, swappable by name.
+#pragma once
+
+#include "snell/kernel/ray.h"
+#include "snell/scene/packed.h"
+
+#include <memory>
+#include <span>
+#include <string>
+#include <string_view>
+
+namespace snell {
+
+enum class TriangleTest
+{
+    watertight,
+    moller_trumbore
+};
+
+struct AccelOptions
+{
+    TriangleTest triangle_test = TriangleTest::watertight;
+};
+
+struct AccelStats
+{
+    double build_seconds = 0;
+    std::size_t bytes = 0; // of the structure, the scene's own arrays not counted
+    std::size_t nodes = 0, leaves = 0;
+    double sah_cost = 0; // expected cost of a random ray, with node cost 1 and triangle cost 1
+};
+
+// Finds hits for batches of rays. Thread-safe after construction; refers to the PackedScene it was built from. A ray
+// with a NaN, a zero direction or an empty interval hits nothing. Ties in t go to the smaller primitive (then the
+// smaller instance), so that every structure gives the same answer.
+class Accel
+{
+  public:
+    virtual ~Accel() = default;
+
+    // The nearest hit of each ray in (t_min, t_max). hits.size() == rays.size().
+    virtual void intersect(std::span<const Ray> rays, std::span<Hit> hits) const = 0;
+
+    // blocked[i] becomes 1 if anything lies in (t_min, t_max) of ray i, else 0.
+    virtual void occluded(std::span<const Ray> rays, std::span<std::uint8_t> blocked) const = 0;
+
+    // As intersect, and counts the steps (nodes visited plus primitive tests) of each ray.
+    virtual void intersect_counted(std::span<const Ray> rays, std::span<Hit> hits, std::span<uint> steps) const = 0;
+
+    AccelStats stats;
+};
+
+struct AccelInfo
+{
+    std::string_view name;
+    std::string_view summary;
+    std::unique_ptr<Accel> (*make)(const PackedScene&, const AccelOptions&);
+};
+
+std::span<const AccelInfo> accels(); // the first one is the default
+const AccelInfo* find_accel(std::string_view name);
+
+} // namespace snell

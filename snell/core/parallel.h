@@ -1,0 +1,20 @@
+// Threads, thin over oneTBB.
+#pragma once
+
+#include <cstddef>
+#include <functional>
+
+namespace snell {
+
+// Limits all later parallel work to that many threads (0: as many as the machine has), until changed again.
+void set_thread_count(int threads);
+int thread_count();
+
+// Calls body(i) for each i in [0, count), in any order, from several threads. An exception from a body stops the rest
+// and is thrown here.
+void parallel_for(std::size_t count, const std::function<void(std::size_t)>& body);
+
+// Calls body(begin, end) on ranges that cover [0, count), each at least `grain` long where possible.
+void parallel_ranges(std::size_t count, std::size_t grain, const std::function<void(std::size_t, std::size_t)>& body);
+
+} // namespace snell

@@ -1,0 +1,42 @@
+// Where samples are summed up.
+#pragma once
+
+#include "snell/io/image/image.h"
+#include "snell/render/settings.h"
+
+#include <cstdint>
+#include <vector>
+
+namespace snell {
+
+// What the first hit of the camera rays saw, averaged over the samples recorded; ids are of the first sample.
+struct FilmLayers
+{
+    std::vector<vec3> albedo, normal, geometric_normal, position, direct, indirect, emission; // sums
+    std::vector<vec2> uv;                                                                     // sums
+    std::vector<float> depth, steps;                                                          // sums
+    std::vector<uint> object, material;                                                       // none: nothing was hit
+    std::vector<uint> hit_count;    // first-hit samples that hit something: divisor of the first-hit sums
+    std::vector<uint> sample_count; // first-hit samples: divisor of `steps`
+};
+
+struct Film
+{
+    int width = 0, height = 0;
+    std::vector<vec3> sum;              // of radiance
+    std::vector<float> square_sum;      // of squared luminance, for the variance
+    std::vector<uint> sample_count;     // of each pixel
+    FilmLayers layers;                  // vectors are empty unless RenderSettings::layers
+    std::vector<std::uint64_t> dropped; // (y * width + x) of pixels with non-finite samples, at most 16
+    std::uint64_t dropped_samples = 0;
+
+    Film() = default;
+    Film(int width, int height, bool with_layers);
+
+    // Means; pixels without samples are black.
+    Picture picture() const;
+    // The layers as EXR channels (see CONVENTIONS: Z, Albedo.*, N.*, ..., Variance, SampleCount).
+    std::vector<Channel> channels() const;
+};
+
+} // namespace snell

@@ -1,0 +1,64 @@
+// Rendering a scene.
+#pragma once
+
+#include "snell/render/film.h"
+#include "snell/render/settings.h"
+
+#include <atomic>
+#include <functional>
+#include <memory>
+
+namespace snell {
+
+// Counted over the whole render.
+struct RenderStats
+{
+    std::uint64_t camera_rays = 0, extension_rays = 0, shadow_rays = 0;
+    std::uint64_t samples = 0;
+    double load_seconds = 0, pack_seconds = 0, build_seconds = 0, render_seconds = 0; // load: filled by the caller
+    // Thread time by stage, summed over threads.
+    double generate_seconds = 0, extend_seconds = 0, shade_seconds = 0, connect_seconds = 0, finalize_seconds = 0;
+    std::size_t scene_bytes = 0, accel_bytes = 0;
+    bool cancelled = false;
+
+    std::uint64_t rays() const { return camera_rays + extension_rays + shadow_rays; }
+};
+
+struct Progress
+{
+    double fraction = 0; // of all samples
+    uint spp_done = 0;   // samples a pixel finished
+    RenderStats stats;   // so far
+};
+
+// Called a few times a second from the rendering thread.
+using ProgressCallback = std::function<void(const Progress&)>;
+
+struct RenderResult
+{
+    Film film;
+    RenderStats stats;
+};
+
+// Everything that is derived from a scene and can be used for several renders: packed arrays and acceleration
+// structure.
+struct Prepared
+{
+    PackedScene packed;
+    std::unique_ptr<Accel> accel;
+    CameraDesc camera;
+    double pack_seconds = 0, build_seconds = 0;
+};
+
+// The scene must be valid and complete. Throws Error for unknown names.
+std::unique_ptr<Prepared> prepare(const Scene& scene, const RenderSettings& settings);
+
+// Renders with the CPU backend. If `cancel` becomes true, returns soon with what there is (sample counts may then
+// differ between pixels). The film is a function of scene and settings only: threads and tiles do not change a bit.
+RenderResult render(const Prepared& prepared, const RenderSettings& settings, const ProgressCallback& progress = {},
+                    const std::atomic<bool>* cancel = nullptr);
+
+// prepare and render in one.
+RenderResult render(const Scene& scene, const RenderSettings& settings);
+
+} // namespace snell

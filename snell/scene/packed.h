@@ -1,0 +1,53 @@
+// PackedScene: the flat arrays that kernels and accelerators read.
+#pragma once
+
+#include "snell/kernel/scene_view.h"
+#include "snell/scene/scene.h"
+
+#include <memory>
+#include <span>
+
+namespace snell {
+
+// A run of primitives that one bottom-level structure covers.
+struct PackedGroup
+{
+    uint first_triangle = 0, triangle_count = 0;
+    uint first_sphere = 0, sphere_count = 0;
+};
+
+// What Scene becomes for rendering. Groups that are placed once are moved into world space; their primitives form
+// `world`. The others stay in object space, in `groups`, and are reached through `instances` (one level, no nesting).
+// Within each run the triangles of one surface are consecutive.
+struct PackedScene
+{
+    std::vector<vec3> positions;
+    std::vector<vec3> normals;
+    std::vector<vec2> uvs;
+    std::vector<vec3> colors;
+    std::vector<Triangle> triangles;
+    std::vector<Surface> surfaces;
+    std::vector<Sphere> spheres;
+    std::vector<Plane> planes;
+    std::vector<Instance> instances;
+    std::vector<Material> materials;
+    std::vector<Light> lights; // with the alias table for choosing one by power
+    std::vector<Texture> textures;
+    std::vector<std::uint32_t> texels;
+    std::vector<float> srgb;
+    vec3 environment{0.0f};
+    vec3 center{0.0f};
+    float radius = 1.0f;
+
+    PackedGroup world;
+    std::vector<PackedGroup> groups; // by Instance::group
+
+    // The arrays as the kernels take them. Valid as long as this object is neither moved nor changed.
+    SceneView view() const;
+    std::size_t bytes() const;
+};
+
+// The scene must have passed validate().
+PackedScene pack(const Scene& scene);
+
+} // namespace snell
