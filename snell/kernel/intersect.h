@@ -1,0 +1,232 @@
+// Where a ray meets a triangle, a sphere or a plane.
+//
+// Every function takes a ray that is_traceable() and answers with the nearest t in the open interval (t_min, t_max).
+// NaN in the geometry is a miss. All of them use plain multiplications and additions in the order written here: the
+// SIMD traversal repeats them lane by lane, and so finds bit for bit the same t, u and v.
+#ifndef SNELL_KERNEL_INTERSECT_H
+#define SNELL_KERNEL_INTERSECT_H
+#include "snell/kernel/lang.h"
+#include "snell/kernel/ray.h"
+#include "snell/kernel/scene_view.h"
+SNELL_BEGIN
+
+struct Intersection
+{
+    float t;    // distance along the ray, in lengths of its direction; t_max of the ray if ok is false
+    float u, v; // triangle: barycentric weights of vertices 1 and 2 (vertex 0 has 1 - u - v); else 0
+    bool ok;    // false: no hit, the rest has no meaning
+};
+
+// Triangle tests by number.
+SNELL_CONST uint test_watertight = 0u;
+SNELL_CONST uint test_moller_trumbore = 1u;
+
+SNELL_FN Intersection no_intersection(float t_max)
+{
+    Intersection miss_all;
+    miss_all.t = t_max;
+    miss_all.u = 0.0f;
+    miss_all.v = 0.0f;
+    miss_all.ok = false;
+    return miss_all;
+}
+
+// False for rays that hit nothing by definition: a NaN, an infinite or zero direction or origin, an empty interval.
+SNELL_FN bool is_traceable(Ray ray)
+{
+    bool some_way = ray.direction.x != 0.0f || ray.direction.y != 0.0f || ray.direction.z != 0.0f;
+    return is_finite3(ray.origin) && is_finite3(ray.direction) && some_way && ray.t_min < ray.t_max;
+}
+
+// A ray made ready for the watertight test: the axis kz along which its direction is longest, the other two, and the
+// shear that maps the direction to the unit vector of kz.
+struct ShearedRay
+{
+    int kx, ky, kz;
+    float sx, sy, sz;
+};
+
+SNELL_FN ShearedRay shear_ray(Ray ray)
+{
+    vec3 a = abs(ray.direction);
+    ShearedRay s;
+    s.kz = a.x >= a.y ? (a.x >= a.z ? 0 : 2) : (a.y >= a.z ? 1 : 2);
+    s.kx = s.kz == 2 ? 0 : s.kz + 1;
+    s.ky = s.kx == 2 ? 0 : s.kx + 1;
+    s.sx = ray.direction[s.kx] / ray.direction[s.kz];
+    s.sy = ray.direction[s.ky] / ray.direction[s.kz];
+    s.sz = 1.0f / ray.direction[s.kz];
+    return s;
+}
+
+// Ray against triangle, from both sides (Woop, Benthin, Wald 2013, Watertight Ray/Triangle Intersection, JCGT 2).
+//
+// Why it is watertight without the paper's second pass in double precision: the sheared position of a vertex depends on
+// the vertex and the ray alone, so triangles that share vertices share them after the shear, bit for bit, and still
+// tile the plane. An edge function is the difference of two products. Rounding is monotone: if the exact products
+// satisfy a*b > c*d, then round(a*b) >= round(c*d), and the difference of two floats is never rounded across zero. So a
+// computed edge function has its exact sign or is 0, never the opposite sign; edges are inclusive, so a 0 never turns a
+// hit into a miss, and the two triangles at an edge see the same number with opposite signs. Only a triangle whose
+// three functions are all 0 (edge-on, or without area) is left out; its neighbours have a 0 at the edge that they share
+// with it, so they still close the gap. (No fused multiply-add: it would round the two products differently.)
+SNELL_FN Intersection intersect_triangle_watertight(Ray ray, ShearedRay s, vec3 v0, vec3 v1, vec3 v2)
+{
+    vec3 a = v0 - ray.origin;
+    vec3 b = v1 - ray.origin;
+    vec3 c = v2 - ray.origin;
+    float az = a[s.kz];
+    float bz = b[s.kz];
+    float cz = c[s.kz];
+    float ax = a[s.kx] - s.sx * az;
+    float ay = a[s.ky] - s.sy * az;
+    float bx = b[s.kx] - s.sx * bz;
+    float by = b[s.ky] - s.sy * bz;
+    float cx = c[s.kx] - s.sx * cz;
+    float cy = c[s.ky] - s.sy * cz;
+
+    float w0 = cx * by - cy * bx;
+    float w1 = ax * cy - ay * cx;
+    float w2 = bx * ay - by * ax;
+    Intersection r = no_intersection(ray.t_max);
+    if ((w0 < 0.0f || w1 < 0.0f || w2 < 0.0f) && (w0 > 0.0f || w1 > 0.0f || w2 > 0.0f)) return r;
+    float det = (w0 + w1) + w2;
+    if (det == 0.0f) return r;
+
+    float t = ((w0 * (s.sz * az) + w1 * (s.sz * bz)) + w2 * (s.sz * cz)) / det;
+    if (!(t > ray.t_min && t < ray.t_max)) return r;
+    r.t = t;
+    r.u = w1 / det;
+    r.v = w2 / det;
+    r.ok = true;
+    return r;
+}
+
+// Ray against triangle, from both sides (Moeller and Trumbore 1997, Fast, Minimum Storage Ray/Triangle Intersection).
+// Not watertight: a ray may slip between two triangles that share an edge.
+SNELL_FN Intersection intersect_triangle_moller_trumbore(Ray ray, vec3 v0, vec3 v1, vec3 v2)
+{
+    vec3 e1 = v1 - v0;
+    vec3 e2 = v2 - v0;
+    vec3 d = ray.direction;
+    vec3 s = ray.origin - v0;
+    float px = d.y * e2.z - d.z * e2.y;
+    float py = d.z * e2.x - d.x * e2.z;
+    float pz = d.x * e2.y - d.y * e2.x;
+    float qx = s.y * e1.z - s.z * e1.y;
+    float qy = s.z * e1.x - s.x * e1.z;
+    float qz = s.x * e1.y - s.y * e1.x;
+    float det = (e1.x * px + e1.y * py) + e1.z * pz;
+    Intersection r = no_intersection(ray.t_max);
+    if (det == 0.0f) return r;
+
+    float u = ((s.x * px + s.y * py) + s.z * pz) / det;
+    float v = ((d.x * qx + d.y * qy) + d.z * qz) / det;
+    float t = ((e2.x * qx + e2.y * qy) + e2.z * qz) / det;
+    if (!(u >= 0.0f && v >= 0.0f && u + v <= 1.0f)) return r;
+    if (!(t > ray.t_min && t < ray.t_max)) return r;
+    r.t = t;
+    r.u = u;
+    r.v = v;
+    r.ok = true;
+    return r;
+}
+
+// Ray against sphere: the nearer root in the interval, so also the far side for an origin inside. A tangent ray and a
+// sphere of radius 0 are misses. The discriminant comes from the distance between the ray and the centre, and the roots
+// from the numerically stable quadratic (Haines, Guenther, Akenine-Moeller 2019, Ray Tracing Gems ch. 7), so that small
+// or far spheres keep their shape. The direction may have any length: it is scaled first, for its square must neither
+// vanish nor overflow.
+SNELL_FN Intersection intersect_sphere(Ray ray, vec3 center, float radius)
+{
+    float scale = 1.0f / max3(abs(ray.direction));
+    vec3 d = ray.direction * scale;
+    vec3 f = ray.origin - center;
+    float a = (d.x * d.x + d.y * d.y) + d.z * d.z;
+    float b = -((f.x * d.x + f.y * d.y) + f.z * d.z);
+    vec3 nearest = f + (b / a) * d; // from the centre to the point of the ray's line that is nearest to it
+    float r2 = radius * radius;
+    float discriminant = r2 - ((nearest.x * nearest.x + nearest.y * nearest.y) + nearest.z * nearest.z);
+    Intersection r = no_intersection(ray.t_max);
+    if (!(discriminant > 0.0f)) return r;
+
+    float root = sqrt(a * discriminant);
+    float q = b >= 0.0f ? b + root : b - root;
+    float c = ((f.x * f.x + f.y * f.y) + f.z * f.z) - r2;
+    float t0 = (c / q) * scale;
+    float t1 = (q / a) * scale;
+    float first = t0 < t1 ? t0 : t1;
+    float second = t0 < t1 ? t1 : t0;
+    float t = first > ray.t_min ? first : second;
+    if (!(t > ray.t_min && t < ray.t_max)) return r;
+    r.t = t;
+    r.ok = true;
+    return r;
+}
+
+// Ray against the plane of points p with dot(normal, p) == offset, from both sides. A ray inside the plane misses it.
+SNELL_FN Intersection intersect_plane(Ray ray, vec3 normal, float offset)
+{
+    float along = (normal.x * ray.direction.x + normal.y * ray.direction.y) + normal.z * ray.direction.z;
+    float height = offset - ((normal.x * ray.origin.x + normal.y * ray.origin.y) + normal.z * ray.origin.z);
+    Intersection r = no_intersection(ray.t_max);
+    if (along == 0.0f) return r;
+    float t = height / along;
+    if (!(t > ray.t_min && t < ray.t_max)) return r;
+    r.t = t;
+    r.ok = true;
+    return r;
+}
+
+// The ray in the space of an instance's group. The direction is not normalised, so that t counts the same.
+SNELL_FN Ray ray_to_object(Ray ray, Transform to_object)
+{
+    Ray local;
+    local.origin = transform_point(to_object, ray.origin);
+    local.t_min = ray.t_min;
+    local.direction = transform_vector(to_object, ray.direction);
+    local.t_max = ray.t_max;
+    return local;
+}
+
+// Any primitive, by number as in Hit::primitive. The ray lies in the primitive's own space (see ray_to_object).
+//   s     shear_ray(ray)
+//   test  test_watertight or test_moller_trumbore
+SNELL_FN_COLD Intersection intersect_primitive_by(SNELL_IN(SceneView) scene, uint primitive, Ray ray, ShearedRay s,
+                                                  uint test)
+{
+    uint index = primitive_index(primitive);
+    if (primitive_kind(primitive) == kind_triangle) {
+        Triangle tri = scene.triangles.at[index];
+        vec3 v0 = scene.positions.at[tri.v0];
+        vec3 v1 = scene.positions.at[tri.v1];
+        vec3 v2 = scene.positions.at[tri.v2];
+        if (test == test_moller_trumbore) return intersect_triangle_moller_trumbore(ray, v0, v1, v2);
+        return intersect_triangle_watertight(ray, s, v0, v1, v2);
+    }
+    if (primitive_kind(primitive) == kind_sphere) {
+        Sphere ball = scene.spheres.at[index];
+        return intersect_sphere(ray, ball.center, ball.radius);
+    }
+    if (primitive_kind(primitive) == kind_plane) {
+        Plane plane = scene.planes.at[index];
+        return intersect_plane(ray, plane.normal, plane.offset);
+    }
+    return no_intersection(ray.t_max);
+}
+
+SNELL_FN_COLD Intersection intersect_primitive(SNELL_IN(SceneView) scene, uint primitive, Ray ray)
+{
+    return intersect_primitive_by(scene, primitive, ray, shear_ray(ray), test_watertight);
+}
+
+// The tie rule of all structures: does a hit of (primitive, instance) at t replace the one found so far? Nearer wins;
+// at equal t the smaller primitive, then the smaller instance (none, world space, counts as the largest).
+SNELL_FN bool is_better_hit(float t, uint primitive, uint instance, Hit found)
+{
+    if (t != found.t) return t < found.t;
+    if (primitive != found.primitive) return primitive < found.primitive;
+    return instance < found.instance;
+}
+
+SNELL_END
+#endif
