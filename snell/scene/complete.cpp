@@ -1,0 +1,203 @@
+// A camera and light for scenes that came without.
+#include "snell/core/error.h"
+#include "snell/scene/scene.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+namespace snell {
+
+static constexpr float fov_degrees = 40.0f;
+static constexpr float margin = 1.06f; // how much wider than the scene the picture is
+
+struct View
+{
+    vec3 forward, right, up; // orthonormal
+};
+
+// Looking along -Z, or along -X, and that many degrees downwards.
+static View look_down(float degrees, bool along_x)
+{
+    const float angle = degrees * pi / 180.0f;
+    const vec3 level = along_x ? vec3(-1, 0, 0) : vec3(0, 0, -1);
+    View view;
+    view.forward = std::cos(angle) * level - std::sin(angle) * vec3(0, 1, 0);
+    view.right = normalize(cross(level, vec3(0, 1, 0)));
+    view.up = cross(view.right, view.forward);
+    return view;
+}
+
+static std::array<vec3, 8> corners(const Bounds& bounds)
+{
+    std::array<vec3, 8> result;
+    for (uint i = 0; i < 8; ++i)
+        result[i] = vec3(i & 1u ? bounds.upper.x : bounds.lower.x, i & 2u ? bounds.upper.y : bounds.lower.y,
+                         i & 4u ? bounds.upper.z : bounds.lower.z);
+    return result;
+}
+
+// The nearest eye from which all corners lie inside the picture. In camera coordinates (x, y, depth) a corner is
+// inside when |x - eye.x| <= tan_x (depth - eye.depth), and so for y: linear, hence solved by the extreme corners.
+static CameraDesc frame(const Bounds& bounds, const View& view, float aspect)
+{
+    const float tan_short = std::tan(0.5f * fov_degrees * pi / 180.0f) / margin;
+    const vec2 tangent(tan_short * std::max(aspect, 1.0f), tan_short / std::min(aspect, 1.0f));
+
+    const vec3 center = bounds.center();
+    vec2 right_most(-1e30f), left_most(-1e30f); // of x - tangent * depth, and of -x - tangent * depth
+    float nearest = 1e30f;
+    for (const vec3 corner : corners(bounds)) {
+        const vec3 p = corner - center;
+        const vec2 xy(dot(p, view.right), dot(p, view.up));
+        const float depth = dot(p, view.forward);
+        right_most = max(right_most, xy - tangent * depth);
+        left_most = max(left_most, -xy - tangent * depth);
+        nearest = std::min(nearest, depth);
+    }
+    const vec2 depths = -0.5f * (right_most + left_most) / tangent;
+    const vec2 eye = 0.5f * (right_most - left_most);
+    const float size = std::max(length(bounds.extent()), 1e-6f * std::max(1.0f, length(center)));
+    // A flat scene seen face on needs the distance; a point or a line would let the eye touch it.
+    const float depth = std::min({depths.x, depths.y, nearest - 0.1f * size});
+
+    CameraDesc camera;
+    camera.name = "framing";
+    camera.fov_degrees = fov_degrees;
+    camera.up = vec3(0, 1, 0);
+    camera.eye = center + eye.x * view.right + eye.y * view.up + depth * view.forward;
+    camera.target = camera.eye - depth * view.forward;
+    return camera;
+}
+
+// Whether the triangles form a room whose front (+Z) is open: a ceiling, a floor and a back wall that fill most of
+// the sides of the bounds, and hardly anything in front. Such a room is looked into at level, as a stage is.
+static bool is_open_room(const Scene& scene, const Bounds& bounds)
+{
+    const vec3 extent = bounds.extent();
+    if (!(std::min({extent.x, extent.y, extent.z}) > 0.0f)) return false;
+    const vec3 tolerance = 0.03f * extent;
+    vec3 low_area(0.0f), high_area(0.0f); // covered on the sides at bounds.lower and bounds.upper, by axis
+    std::vector<uint> uses(scene.groups.size(), 0);
+    for (const InstanceDesc& instance : scene.instances) ++uses[instance.group.value];
+    for (const InstanceDesc& instance : scene.instances) {
+        if (uses[instance.group.value] > 1) continue; // furniture
+        for (const Index<Mesh> index : scene.groups[instance.group.value].meshes) {
+            const Mesh& mesh = scene.meshes[index.value];
+            for (const uvec3 t : mesh.triangles) {
+                vec3 p[3];
+                for (int k = 0; k < 3; ++k) p[k] = transform_point(instance.transform, mesh.positions[t[k]]);
+                const vec3 lower = min(p[0], min(p[1], p[2])), upper = max(p[0], max(p[1], p[2]));
+                const vec3 area = 0.5f * abs(cross(p[1] - p[0], p[2] - p[0])); // projected along each axis
+                for (int axis = 0; axis < 3; ++axis) {
+                    if (upper[axis] <= bounds.lower[axis] + tolerance[axis]) low_area[axis] += area[axis];
+                    if (lower[axis] >= bounds.upper[axis] - tolerance[axis]) high_area[axis] += area[axis];
+                }
+            }
+        }
+    }
+    const vec3 side(extent.y * extent.z, extent.z * extent.x, extent.x * extent.y);
+    const vec3 low = low_area / side, high = high_area / side;
+    return low.y > 0.6f && high.y > 0.6f && low.z > 0.6f && high.z < 0.1f;
+}
+
+static void add_camera(Scene& scene, const Bounds& bounds, float aspect)
+{
+    if (bounds.empty()) {
+        CameraDesc camera;
+        camera.name = "default";
+        if (scene.planes.empty()) {
+            add(scene, camera);
+            note(scene, Note::Kind::warning, "the scene is empty: there is nothing to see");
+            return;
+        }
+        // Stand on the front of the first plane, as high above it as a person above the ground, and look ahead.
+        const PlaneDesc& plane = scene.planes.front();
+        const vec3 normal = normalize(plane.normal);
+        const vec3 aside = abs(normal.z) < 0.9f ? vec3(0, 0, 1) : vec3(0, -1, 0);
+        const vec3 back = normalize(aside - dot(aside, normal) * normal);
+        camera.eye = plane.point + 1.7f * normal + 6.0f * back;
+        camera.target = plane.point + 0.5f * normal;
+        camera.up = normal;
+        add(scene, camera);
+        note(scene, Note::Kind::info, "no camera, and only infinite planes: one was placed in front of the first");
+        return;
+    }
+
+    const vec3 extent = bounds.extent();
+    const float largest = max3(extent);
+    const bool along_x = extent.x < 1e-3f * largest && extent.z > extent.x; // flat, and would be seen edge on
+    const bool flat = extent.y < 0.03f * largest;
+    const bool room = is_open_room(scene, bounds);
+    const float down = room ? 0.0f : flat ? 40.0f : 15.0f;
+    const CameraDesc camera = frame(bounds, look_down(down, along_x), aspect);
+    add(scene, camera);
+    note(scene, Note::Kind::info,
+         fmt::format("no camera: {} with --eye {:.6g},{:.6g},{:.6g} --target {:.6g},{:.6g},{:.6g} --fov {:.6g}",
+                     room ? "looking into the room" : "framing the scene", camera.eye.x, camera.eye.y, camera.eye.z,
+                     camera.target.x, camera.target.y, camera.target.z, camera.fov_degrees));
+}
+
+static bool is_lit(const Scene& scene)
+{
+    if (!is_black(scene.environment)) return true;
+    for (const LightDesc& light : scene.lights)
+        if (!is_black(light.emission)) return true;
+
+    std::vector<bool> emissive(scene.materials.size());
+    bool any = false;
+    for (std::size_t i = 0; i < emissive.size(); ++i) {
+        emissive[i] = !is_black(scene.materials[i].emission);
+        any = any || emissive[i];
+    }
+    if (!any) return false;
+    for (const PlaneDesc& plane : scene.planes)
+        if (emissive[plane.material.value]) return true;
+
+    std::vector<bool> seen(scene.groups.size(), false);
+    for (const InstanceDesc& instance : scene.instances) {
+        if (seen[instance.group.value]) continue;
+        seen[instance.group.value] = true;
+        const Group& group = scene.groups[instance.group.value];
+        for (const Index<SphereDesc> sphere : group.spheres)
+            if (emissive[scene.spheres[sphere.value].material.value]) return true;
+        for (const Index<Mesh> index : group.meshes) {
+            const Mesh& mesh = scene.meshes[index.value];
+            if (mesh.triangles.empty()) continue;
+            if (mesh.triangle_materials.empty() && emissive[mesh.material.value]) return true;
+            for (const Index<MaterialDesc> material : mesh.triangle_materials)
+                if (emissive[material.value]) return true;
+        }
+    }
+    return false;
+}
+
+// Soft light from everywhere, and a sun over the camera's left shoulder that gives shapes a bright and a dark side.
+static void add_light(Scene& scene)
+{
+    const CameraDesc& camera = scene.cameras.front();
+    const vec3 forward = normalize(camera.target - camera.eye);
+    const vec3 right = normalize(cross(forward, camera.up));
+    const vec3 up = cross(right, forward);
+
+    scene.environment = vec3(0.6f);
+    LightDesc light;
+    light.name = "added";
+    light.kind = light_directional;
+    light.direction = normalize(0.55f * right - 0.75f * up + 0.6f * forward);
+    light.emission = vec3(1.8f);
+    add(scene, light);
+    note(scene, Note::Kind::info,
+         "no light: white light from everywhere (radiance 0.6) and a directional light (1.8) from above the camera's "
+         "left were added");
+}
+
+void complete(Scene& scene, float aspect)
+{
+    if (!(aspect > 0.0f && std::isfinite(aspect)))
+        throw Error(fmt::format("a picture cannot have an aspect of {}", aspect), "give a positive width and height");
+    if (scene.cameras.empty()) add_camera(scene, scene_bounds(scene), aspect);
+    if (!is_lit(scene)) add_light(scene);
+}
+
+} // namespace snell

@@ -1,0 +1,308 @@
+// Repair of what came from outside: what can be mended is mended and noted, what has no meaning is an Error.
+#include "snell/core/error.h"
+#include "snell/core/parallel.h"
+#include "snell/scene/scene.h"
+#include "snell/scene/validate_mesh.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace snell {
+
+static bool is_finite(const Transform& m)
+{
+    for (const vec4 row : {m.x, m.y, m.z})
+        for (int i = 0; i < 4; ++i)
+            if (!std::isfinite(row[i])) return false;
+    return true;
+}
+
+static void warn(Scene& scene, std::string text)
+{
+    note(scene, Note::Kind::warning, std::move(text));
+}
+
+// ---- pictures ----
+
+static void check_image(const Image& image, std::size_t number)
+{
+    const std::string who = fmt::format("image {}", label(image.name, number));
+    if (image.format > texels_rgba32f) throw Error(fmt::format("{}: unknown texel format {}", who, image.format));
+    if (image.wrap > wrap_clamp) throw Error(fmt::format("{}: unknown wrap mode {}", who, image.wrap));
+    const std::size_t wanted = std::size_t{4} * image.width * image.height;
+    const bool is_float = image.format == texels_rgba32f;
+    const std::size_t given = is_float ? image.floats.size() : image.bytes.size();
+    if (wanted == 0) throw Error(fmt::format("{} has no texels: it is {} x {}", who, image.width, image.height));
+    if (given != wanted)
+        throw Error(fmt::format("{}: {} x {} texels need {} values, but there are {}", who, image.width, image.height,
+                                wanted, given));
+}
+
+// A texture of reflectances stays in [0, 1]: more would create light.
+static void mend_texels(Scene& scene, Image& image, std::size_t number)
+{
+    std::size_t mended = 0;
+    for (float& value : image.floats) {
+        const float legal = std::isfinite(value) ? std::clamp(value, 0.0f, 1.0f) : 0.0f;
+        if (legal != value || std::isnan(value)) value = legal, ++mended;
+    }
+    if (mended > 0)
+        warn(scene, fmt::format("image {}: {} values outside [0, 1] moved inside", label(image.name, number), mended));
+}
+
+// ---- materials ----
+
+// Reflectances: not a number becomes the default, below 0 becomes 0, above 1 is scaled so that the hue stays.
+static bool mend_reflectance(vec3& color, float otherwise)
+{
+    const vec3 before = color;
+    if (!is_finite3(color)) {
+        color = vec3(otherwise);
+        return true;
+    }
+    color = max(color, vec3(0.0f));
+    if (max3(color) > 1.0f) color = min(color / max3(color), vec3(1.0f));
+    return color != before;
+}
+
+static bool mend_nonnegative(vec3& value)
+{
+    bool mended = false;
+    for (int i = 0; i < 3; ++i)
+        if (!std::isfinite(value[i]) || value[i] < 0.0f) value[i] = 0.0f, mended = true;
+    return mended;
+}
+
+static void mend_material(Scene& scene, MaterialDesc& m, std::size_t number)
+{
+    const std::string who = fmt::format("material {}", label(m.name, number));
+    if (m.kind > material_conductor) throw Error(fmt::format("{}: unknown kind {}", who, m.kind));
+    if (m.base_texture.valid() && m.base_texture.value >= scene.images.size())
+        throw Error(fmt::format("{} refers to image {} of {}", who, m.base_texture.value, scene.images.size()));
+
+    std::string mended;
+    const auto say = [&mended](const char* what) { mended += (mended.empty() ? "" : ", ") + std::string(what); };
+    if (mend_reflectance(m.base_color, MaterialDesc{}.base_color.x)) say("colour");
+    if (mend_nonnegative(m.emission)) say("emission");
+    if (!std::isfinite(m.alpha) || m.alpha < 0.0f || m.alpha > 1.0f) {
+        m.alpha = m.alpha > 1.0f && std::isfinite(m.alpha) ? 1.0f : 0.0f;
+        say("roughness");
+    }
+    if (!std::isfinite(m.ior) || m.ior <= 0.0f) m.ior = MaterialDesc{}.ior, say("index of refraction");
+    if (m.kind == material_conductor) {
+        // eta and k; without a usable pair the metal becomes one of reflectance 0.9.
+        if (!is_finite3(m.specular) || !is_finite3(m.absorption) ||
+            !(std::min({m.specular.x, m.specular.y, m.specular.z}) > 0.0f) ||
+            std::min({m.absorption.x, m.absorption.y, m.absorption.z}) < 0.0f) {
+            m.specular = vec3(1.0f);
+            m.absorption = vec3(6.0f);
+            say("eta and k");
+        }
+    } else {
+        if (mend_reflectance(m.specular, 0.0f)) say("specular reflectance");
+        if (mend_nonnegative(m.absorption)) say("absorption");
+    }
+    if (m.kind == material_mix) {
+        const float sum = max3(m.base_color + m.specular);
+        constexpr float rounding = 1e-5f;
+        if (sum > 1.0f + rounding) {
+            m.base_color /= sum;
+            m.specular /= sum;
+            say("sum of diffuse and specular reflectance");
+        }
+    }
+    if (!mended.empty()) warn(scene, fmt::format("{}: not physical, mended: {}", who, mended));
+}
+
+// The grey that primitives without a material share; added when first needed.
+class DefaultMaterial
+{
+  public:
+    explicit DefaultMaterial(Scene& scene) : scene_(scene) {}
+
+    // Makes sure that `material` is one of the scene's; who(): whose it is.
+    template <class Who>
+    void check(Index<MaterialDesc>& material, const Who& who)
+    {
+        if (!material.valid()) {
+            if (uses_++ == 0) {
+                first_ = who();
+                MaterialDesc grey;
+                grey.name = "default grey";
+                grey_ = add(scene_, grey);
+            }
+            material = grey_;
+        }
+        if (material.value >= scene_.materials.size())
+            throw Error(fmt::format("{} refers to material {} of {}", who(), material.value, scene_.materials.size()));
+    }
+
+    // One note for all of them.
+    void report() const
+    {
+        if (uses_ == 1) warn(scene_, fmt::format("{} has no material: a grey one is used", first_));
+        if (uses_ > 1)
+            warn(scene_, fmt::format("{} and {} more have no material: a grey one is used", first_, uses_ - 1));
+    }
+
+  private:
+    Scene& scene_;
+    Index<MaterialDesc> grey_;
+    std::string first_;
+    std::size_t uses_ = 0;
+};
+
+// ---- primitives and their places ----
+
+// Removes spheres without extent from the groups; they stay in the scene's list, so that no index changes.
+static void mend_spheres(Scene& scene, DefaultMaterial& fallback)
+{
+    std::vector<bool> bad(scene.spheres.size(), false);
+    std::size_t dropped = 0;
+    std::string first;
+    for (std::size_t i = 0; i < scene.spheres.size(); ++i) {
+        SphereDesc& sphere = scene.spheres[i];
+        const auto who = [&] { return fmt::format("sphere {}", label(sphere.name, i)); };
+        fallback.check(sphere.material, who);
+        if (!(sphere.radius > 0.0f) || !is_seen(vec3(sphere.radius)) || !is_seen(sphere.center)) {
+            bad[i] = true;
+            if (dropped++ == 0)
+                first = fmt::format("{} (radius {}, centre {}, {}, {})", who(), sphere.radius, sphere.center.x,
+                                    sphere.center.y, sphere.center.z);
+        }
+    }
+    if (dropped > 0)
+        warn(scene, fmt::format("dropped {} spheres without a positive radius or a finite centre, the first: {}",
+                                dropped, first));
+    for (std::size_t g = 0; g < scene.groups.size(); ++g) {
+        Group& group = scene.groups[g];
+        for (const Index<Mesh> mesh : group.meshes)
+            if (mesh.value >= scene.meshes.size())
+                throw Error(fmt::format("group {} refers to mesh {} of {}", label(group.name, g), mesh.value,
+                                        scene.meshes.size()));
+        for (const Index<SphereDesc> sphere : group.spheres)
+            if (sphere.value >= scene.spheres.size())
+                throw Error(fmt::format("group {} refers to sphere {} of {}", label(group.name, g), sphere.value,
+                                        scene.spheres.size()));
+        std::erase_if(group.spheres, [&](Index<SphereDesc> sphere) { return bad[sphere.value]; });
+    }
+}
+
+static void check_planes(Scene& scene, DefaultMaterial& fallback)
+{
+    for (std::size_t i = 0; i < scene.planes.size(); ++i) {
+        PlaneDesc& plane = scene.planes[i];
+        const auto who = [&] { return fmt::format("plane {}", label(plane.name, i)); };
+        fallback.check(plane.material, who);
+        if (!is_finite3(plane.normal) || is_black(plane.normal))
+            throw Error(
+                fmt::format("{} has the normal ({}, {}, {})", who(), plane.normal.x, plane.normal.y, plane.normal.z),
+                "give a finite direction of non-zero length");
+        if (!is_seen(plane.point))
+            throw Error(fmt::format("{} goes through the point ({}, {}, {})", who(), plane.point.x, plane.point.y,
+                                    plane.point.z),
+                        "give a finite point");
+    }
+}
+
+static void check_instances(const Scene& scene)
+{
+    for (std::size_t i = 0; i < scene.instances.size(); ++i) {
+        const InstanceDesc& instance = scene.instances[i];
+        if (instance.group.value >= scene.groups.size())
+            throw Error(fmt::format("instance {} refers to group {} of {}", label(instance.name, i),
+                                    static_cast<std::int32_t>(instance.group.value), scene.groups.size()));
+        if (!is_finite(instance.transform))
+            throw Error(
+                fmt::format("instance {}: the transform has a NaN or infinite number", label(instance.name, i)));
+        if (!inverse(instance.transform))
+            throw Error(fmt::format("instance {}: the transform is singular, it flattens what it places",
+                                    label(instance.name, i)),
+                        "give every axis a scale other than 0");
+    }
+}
+
+// ---- lights and cameras ----
+
+static void mend_light(Scene& scene, LightDesc& light, std::size_t number)
+{
+    const std::string who = fmt::format("light {}", label(light.name, number));
+    if (light.kind != light_point && light.kind != light_directional && light.kind != light_spot)
+        throw Error(fmt::format("{}: kind {} is not a point, directional or spot light", who, light.kind),
+                    "give a mesh or sphere an emissive material for an area light");
+    std::string mended;
+    const auto say = [&mended](const char* what) { mended += (mended.empty() ? "" : ", ") + std::string(what); };
+    if (mend_nonnegative(light.emission)) say("emission");
+    if (light.kind != light_directional && !is_seen(light.position)) {
+        // Anywhere else would be a guess: it stays, but dark.
+        light.position = vec3(0.0f);
+        light.emission = vec3(0.0f);
+        say("position (the light is off)");
+    }
+    if (light.kind != light_point && (!is_finite3(light.direction) || is_black(light.direction))) {
+        light.direction = LightDesc{}.direction;
+        say("direction");
+    }
+    if (light.kind == light_spot) {
+        const float inner = light.inner_degrees, outer = light.outer_degrees;
+        if (!std::isfinite(outer)) light.outer_degrees = LightDesc{}.outer_degrees;
+        light.outer_degrees = std::clamp(light.outer_degrees, 0.1f, 180.0f);
+        if (!std::isfinite(inner)) light.inner_degrees = 0.0f;
+        light.inner_degrees = std::clamp(light.inner_degrees, 0.0f, light.outer_degrees);
+        if (inner != light.inner_degrees || outer != light.outer_degrees) say("cone angles");
+    }
+    if (!mended.empty()) warn(scene, fmt::format("{}: mended: {}", who, mended));
+}
+
+static void check_camera(Scene& scene, CameraDesc& camera, std::size_t number)
+{
+    const std::string who = fmt::format("camera {}", label(camera.name, number));
+    if (!is_finite3(camera.eye) || !is_finite3(camera.target))
+        throw Error(fmt::format("{}: eye or target is NaN or infinite", who));
+    if (camera.eye == camera.target)
+        throw Error(fmt::format("{}: eye and target are the same point", who), "move one of them");
+    if (!(camera.fov_degrees > 0.0f && camera.fov_degrees < 180.0f))
+        throw Error(fmt::format("{}: a field of view of {} degrees", who, camera.fov_degrees),
+                    "give an angle between 0 and 180");
+    const vec3 view = normalize(camera.target - camera.eye);
+    const bool usable = is_finite3(camera.up) && !is_black(camera.up);
+    if (!usable || length(cross(view, normalize(camera.up))) < 1e-4f) {
+        camera.up = abs(view.y) < 0.9f ? vec3(0, 1, 0) : vec3(0, 0, -1);
+        warn(scene, fmt::format("{}: the up direction is zero or along the view; replaced", who));
+    }
+}
+
+void validate(Scene& scene)
+{
+    for (std::size_t i = 0; i < scene.images.size(); ++i) check_image(scene.images[i], i);
+    std::vector<bool> mended(scene.images.size(), false);
+    for (std::size_t i = 0; i < scene.materials.size(); ++i) {
+        mend_material(scene, scene.materials[i], i);
+        const uint image = scene.materials[i].base_texture.value;
+        if (image == none || mended[image]) continue;
+        mended[image] = true;
+        mend_texels(scene, scene.images[image], image);
+    }
+
+    DefaultMaterial fallback(scene);
+    for (std::size_t i = 0; i < scene.meshes.size(); ++i) {
+        Mesh& mesh = scene.meshes[i];
+        const auto who = [&] { return fmt::format("mesh {}", label(mesh.name, i)); };
+        const bool uses_own = mesh.triangle_materials.empty()
+                                  ? !mesh.triangles.empty()
+                                  : std::find(mesh.triangle_materials.begin(), mesh.triangle_materials.end(),
+                                              Index<MaterialDesc>{}) != mesh.triangle_materials.end();
+        if (uses_own) fallback.check(mesh.material, who);
+        for (std::string& text : validate_mesh(mesh, who(), scene.materials.size())) warn(scene, std::move(text));
+    }
+    mend_spheres(scene, fallback);
+    check_planes(scene, fallback);
+    fallback.report();
+    check_instances(scene);
+    for (std::size_t i = 0; i < scene.lights.size(); ++i) mend_light(scene, scene.lights[i], i);
+    for (std::size_t i = 0; i < scene.cameras.size(); ++i) check_camera(scene, scene.cameras[i], i);
+    if (mend_nonnegative(scene.environment))
+        warn(scene, "the environment's radiance was negative or not finite; that part is now 0");
+}
+
+} // namespace snell
