@@ -29,7 +29,11 @@
 // Size in bytes of a struct that crosses to the GPU.
 #define SNELL_LAYOUT(T, bytes) static_assert(sizeof(T) == (bytes), "layout of " #T " differs from the GPU's");
 
-#else // GLSL: the entry point names its #version and includes lang_glsl.h's extensions first
+#else // GLSL: the entry point names its #version and includes a kernel header before it declares anything
+
+#extension GL_EXT_scalar_block_layout : require
+#extension GL_EXT_buffer_reference : require
+#extension GL_EXT_buffer_reference2 : require
 
 #define SNELL_BEGIN
 #define SNELL_END

@@ -170,7 +170,7 @@ struct SceneView
     vec3 environment;   // constant radiance from everywhere
     float scene_radius; // of a sphere around all bounded primitives
     vec3 scene_center;
-    uint pad0;
+    uint delta_light_count; // point, directional and spot lights come first in `lights`
 };
 SNELL_LAYOUT(SceneView, 152)
 

@@ -1,0 +1,143 @@
+// The path tracer's shade stage (Kajiya 1986): next event estimation, multiple importance sampling with the power
+// heuristic (Veach 1997) and Russian roulette, each of which can be switched off.
+#ifndef SNELL_KERNEL_PATH_H
+#define SNELL_KERNEL_PATH_H
+#include "snell/kernel/mis.h"
+#include "snell/kernel/path_state.h"
+SNELL_BEGIN
+
+struct PathStep
+{
+    vec3 emitted; // to add to the sample at once
+    uint layer;   // layer_* of it
+    Connection connection;
+    CameraPath next;
+    uint has_connection; // 0: connection means nothing
+    uint has_next;       // 0: the path ends
+};
+
+SNELL_FN uint scatter_layer(uint bounces)
+{
+    return min(bounces, layer_indirect);
+}
+
+SNELL_FN vec3 environment_radiance(SNELL_IN(SceneView) scene, SNELL_IN(RenderParams) params)
+{
+    return (params.flags & render_furnace) != 0u ? vec3(1.0f) : scene.environment;
+}
+
+// Probability of sampling the environment instead of a light. A constant environment is better found by BSDF sampling
+// alone; only where that does not count (light sampling without MIS) is it sampled.
+SNELL_FN float environment_probability(SNELL_IN(SceneView) scene, SNELL_IN(RenderParams) params)
+{
+    if ((params.flags & render_mis) != 0u || is_black(environment_radiance(scene, params))) return 0.0f;
+    return scene.light_count > 0u ? 0.5f : 1.0f;
+}
+
+// Weight of light that a BSDF sample found. pdf_light_sampling: with which light sampling would have found it.
+SNELL_FN float bsdf_sampling_weight(SNELL_IN(RenderParams) params, float pdf_bsdf_sampling, float pdf_light_sampling)
+{
+    if (pdf_bsdf_sampling == 0.0f || (params.flags & render_nee) == 0u) return 1.0f;
+    if ((params.flags & render_mis) == 0u) return 0.0f;
+    return power_heuristic(pdf_bsdf_sampling, pdf_light_sampling);
+}
+
+// Next event estimation at a vertex.
+SNELL_FN LightSample sample_direct(SNELL_IN(SceneView) scene, SNELL_IN(RenderParams) params, SampleKey key,
+                                   SNELL_IN(PathState) state, vec3 point)
+{
+    float p_environment = environment_probability(scene, params);
+    bool has_lights = scene.light_count > 0u && (params.flags & render_furnace) == 0u;
+    if (!has_lights && p_environment == 0.0f) return no_light_sample();
+    vec2 u = random_2d(key, vertex_dimension(state.depth, dimension_light));
+    float select = 0.0f;
+    if (scene.light_count > 1u || p_environment > 0.0f)
+        select = random_1d(key, vertex_dimension(state.depth, dimension_select));
+
+    LightSample s;
+    if (select < p_environment || !has_lights) {
+        s = sample_environment(environment_radiance(scene, params), u);
+        s.pdf *= has_lights ? p_environment : 1.0f;
+    } else {
+        uint i = select_light(scene, min((select - p_environment) / (1.0f - p_environment), 0.99999994f));
+        Light light = scene.lights.at[i];
+        s = sample_light(light, point, u);
+        s.pdf *= light.select_pdf * (1.0f - p_environment);
+    }
+    return s;
+}
+
+SNELL_FN PathStep shade_path(SNELL_IN(SceneView) scene, SNELL_IN(RenderParams) params, SNELL_IN(PathState) arriving,
+                             SNELL_IN(Ray) ray, SNELL_IN(Hit) hit)
+{
+    PathStep step;
+    step.emitted = vec3(0.0f);
+    step.layer = scatter_layer(arriving.depth);
+    step.has_connection = 0u;
+    step.has_next = 0u;
+    PathState state = arriving;
+
+    if (!is_hit(hit)) {
+        float p = environment_probability(scene, params);
+        float weight = p > 0.0f ? bsdf_sampling_weight(params, state.pdf, p * pdf_uniform_sphere()) : 1.0f;
+        step.emitted = state.throughput * environment_radiance(scene, params) * weight;
+        return step;
+    }
+    if (state.medium != none)
+        state.throughput = state.throughput * medium_transmittance(scene, state.medium, hit.t * length(ray.direction));
+
+    Vertex v = make_vertex(scene, ray, hit);
+    if (!is_black(v.emission) && (params.flags & render_furnace) == 0u) {
+        float pdf = 0.0f;
+        if (state.pdf > 0.0f && v.surface.light != none) {
+            Light light = scene.lights.at[v.surface.light];
+            pdf = light.select_pdf * pdf_light(light, ray.origin, v.surface.position, v.surface.geometric_normal);
+        }
+        // an emitter that light sampling never draws is found by BSDF sampling alone
+        float weight = pdf > 0.0f ? bsdf_sampling_weight(params, state.pdf, pdf) : 1.0f;
+        step.emitted = state.throughput * v.emission * weight;
+    }
+    if (state.depth >= params.max_depth) return step;
+
+    SampleKey key = state_key(params, state);
+    if ((params.flags & render_nee) != 0u && has_smooth_part(v.material)) {
+        LightSample light = sample_direct(scene, params, key, state, v.surface.position);
+        if (light.pdf > 0.0f) {
+            vec3 f = vertex_eval(v, light.direction);
+            if (!is_black(f)) {
+                float weight = 1.0f;
+                if (light.is_delta == 0u && (params.flags & render_mis) != 0u)
+                    weight = power_heuristic(light.pdf, pdf_bsdf(v.material, v.wo, to_local(v.frame, light.direction)));
+                step.connection.ray = shadow_ray(v.surface, light);
+                step.connection.value = state.throughput * f * light.radiance * (weight / light.pdf);
+                step.connection.slot = state.slot;
+                step.connection.layer = scatter_layer(state.depth + 1u);
+                step.has_connection = 1u;
+            }
+        }
+    }
+
+    vec2 u = random_2d(key, vertex_dimension(state.depth, dimension_bsdf));
+    vec2 u_lobe = vec2(0.0f, 0.0f);
+    if (v.material.kind != material_diffuse) u_lobe = random_2d(key, vertex_dimension(state.depth, dimension_lobe));
+    BsdfSample s = sample_bsdf(v.material, v.wo, u, u_lobe.x);
+    if (s.pdf == 0.0f || is_black(s.weight)) return step;
+    step.next = scatter(scene, state, v, s);
+    // the same rule as in vertex_eval
+    if (s.wi.z * dot(v.surface.geometric_normal, step.next.ray.direction) <= 0.0f) return step;
+
+    if ((params.flags & render_roulette) != 0u && state.depth >= 1u) {
+        float survival = max3(step.next.state.throughput) * step.next.state.eta_scale;
+        if (survival < 1.0f) {
+            if (v.material.kind == material_diffuse)
+                u_lobe = random_2d(key, vertex_dimension(state.depth, dimension_lobe));
+            if (u_lobe.y >= survival) return step;
+            step.next.state.throughput = step.next.state.throughput / survival;
+        }
+    }
+    step.has_next = 1u;
+    return step;
+}
+
+SNELL_END
+#endif

@@ -1,0 +1,171 @@
+// The state of light paths between the stages of a backend: generate, extend, shade, connect, finalize.
+#ifndef SNELL_KERNEL_PATH_STATE_H
+#define SNELL_KERNEL_PATH_STATE_H
+#include "snell/kernel/camera.h"
+#include "snell/kernel/light.h"
+#include "snell/kernel/random.h"
+SNELL_BEGIN
+
+// Switches of RenderParams::flags.
+SNELL_CONST uint render_nee = 1u;      // next event estimation: sample the lights
+SNELL_CONST uint render_mis = 2u;      // weigh light and BSDF sampling against each other
+SNELL_CONST uint render_roulette = 4u; // Russian roulette
+SNELL_CONST uint render_jitter = 8u;   // sample all of the pixel, not only its centre
+SNELL_CONST uint render_furnace = 16u; // no emitters; environment 1 from everywhere
+
+// What all paths of a render have in common.
+struct RenderParams
+{
+    Camera camera;
+    uint width, height; // of the whole picture
+    uint seed;
+    uint sampler;    // sampler_*
+    uint max_depth;  // number of bounces after which a path ends: 0 sees emitters only, 1 adds direct light
+    uint flags;      // render_*
+    float distance;  // ambient occlusion: how far a surface shades another
+    float max_steps; // traversal heat map: steps at the hot end of the scale
+};
+SNELL_LAYOUT(RenderParams, 96)
+
+// Which part of a pixel's value a contribution belongs to.
+SNELL_CONST uint layer_emission = 0u; // emitters seen directly
+SNELL_CONST uint layer_direct = 1u;   // light that was scattered once
+SNELL_CONST uint layer_indirect = 2u; // more than once
+SNELL_CONST uint layer_count = 3u;
+
+// One path on its way: what the next hit of its ray will be multiplied with.
+struct PathState
+{
+    vec3 throughput;
+    uint slot; // of the sample in its batch: where contributions are added up
+    float
+        pdf; // per steradian, of the ray's direction; 0: camera ray or a delta bounce, which light sampling cannot draw
+    float eta_scale; // product of eta^2 over refractions so far: undoes the scaling of radiance for the roulette
+    uint depth;      // bounces so far
+    uint medium;     // material of the dielectric that the ray is in, or none
+    uint key_pixel;  // SampleKey::pixel
+    uint key_index;  // SampleKey::index
+};
+SNELL_LAYOUT(PathState, 40)
+
+// A shadow ray, and what to add to the sample if nothing blocks it.
+struct Connection
+{
+    Ray ray;
+    vec3 value;
+    uint slot;
+    uint layer;
+};
+SNELL_LAYOUT(Connection, 52)
+
+SNELL_FN SampleKey state_key(SNELL_IN(RenderParams) params, SNELL_IN(PathState) state)
+{
+    SampleKey key;
+    key.kind = params.sampler;
+    key.pixel = state.key_pixel;
+    key.index = state.key_index;
+    return key;
+}
+
+// Random dimensions: pair 0 is the position in the pixel, 1 is kept for the lens; each vertex has four from 2 on.
+SNELL_CONST uint dimension_bsdf = 0u;   // direction
+SNELL_CONST uint dimension_lobe = 1u;   // x: part of the BSDF; y: roulette
+SNELL_CONST uint dimension_light = 2u;  // point on the light
+SNELL_CONST uint dimension_select = 3u; // x: which light
+
+SNELL_FN uint vertex_dimension(uint depth, uint which)
+{
+    return 2u + 4u * depth + which;
+}
+
+struct CameraPath
+{
+    Ray ray;
+    PathState state;
+};
+
+// The generate stage: the camera ray of a sample of pixel (x, y).
+SNELL_FN CameraPath generate_camera_path(SNELL_IN(RenderParams) params, uint x, uint y, uint sample_index, uint slot)
+{
+    SampleKey key = make_sample_key(params.sampler, y * params.width + x, sample_index, params.seed);
+    vec2 jitter = (params.flags & render_jitter) != 0u ? random_2d(key, 0u) : vec2(0.5f, 0.5f);
+    CameraPath path;
+    path.ray = camera_ray(params.camera, vec2(float(x), float(y)) + jitter);
+    path.state.throughput = vec3(1.0f);
+    path.state.slot = slot;
+    path.state.pdf = 0.0f;
+    path.state.eta_scale = 1.0f;
+    path.state.depth = 0u;
+    path.state.medium = none;
+    path.state.key_pixel = key.pixel;
+    path.state.key_index = key.index;
+    return path;
+}
+
+// A hit, ready for scattering.
+struct Vertex
+{
+    SurfacePoint surface;
+    MaterialPoint material;
+    Frame frame;   // around the shading normal
+    vec3 wo;       // local, back along the ray
+    vec3 emission; // radiance emitted back along the ray
+};
+
+SNELL_FN Vertex make_vertex(SNELL_IN(SceneView) scene, Ray ray, Hit hit)
+{
+    Vertex v;
+    v.surface = surface_point(scene, ray, hit);
+    Material material = scene.materials.at[v.surface.material];
+    v.material = material_point(scene, material, v.surface);
+    v.frame = make_frame(v.surface.shading_normal);
+    vec3 back = -normalize(ray.direction);
+    v.wo = to_local(v.frame, back);
+    bool lit_side =
+        dot(v.surface.geometric_normal, back) > 0.0f || (material.flags & material_two_sided_emission) != 0u;
+    v.emission = lit_side ? material.emission : vec3(0.0f);
+    return v;
+}
+
+// BSDF * |cos| towards a world direction. Light must not leak through where shading and geometric normal disagree
+// about the side that a direction is on.
+SNELL_FN vec3 vertex_eval(SNELL_IN(Vertex) v, vec3 direction)
+{
+    vec3 wi = to_local(v.frame, direction);
+    if (wi.z * dot(v.surface.geometric_normal, direction) <= 0.0f) return vec3(0.0f);
+    return eval_bsdf(v.material, v.wo, wi);
+}
+
+// What is left of light after a segment of the path, by Beer and Lambert.
+SNELL_FN vec3 medium_transmittance(SNELL_IN(SceneView) scene, uint medium, float distance)
+{
+    vec3 sigma = scene.materials.at[medium].absorption;
+    return exp(-sigma * distance);
+}
+
+// The medium behind a surface of this material after passing it from the side that `from_outside` tells.
+SNELL_FN uint medium_behind(SNELL_IN(SceneView) scene, uint material, bool from_outside)
+{
+    return from_outside && !is_black(scene.materials.at[material].absorption) ? material : none;
+}
+
+// The state after a BSDF sample; its ray starts off the surface on the side that it goes to.
+SNELL_FN CameraPath scatter(SNELL_IN(SceneView) scene, SNELL_IN(PathState) state, SNELL_IN(Vertex) v, BsdfSample s)
+{
+    CameraPath next;
+    vec3 direction = to_world(v.frame, s.wi);
+    next.ray =
+        make_ray(offset_toward(v.surface.position, v.surface.geometric_normal, direction), direction, infinity());
+    next.state = state;
+    next.state.throughput = state.throughput * s.weight;
+    next.state.pdf = s.is_delta != 0u ? 0.0f : s.pdf;
+    next.state.depth = state.depth + 1u;
+    if (s.eta != 1.0f || s.wi.z * v.wo.z < 0.0f) {
+        next.state.eta_scale = state.eta_scale * s.eta * s.eta;
+        next.state.medium = medium_behind(scene, v.surface.material, v.wo.z > 0.0f);
+    }
+    return next;
+}
+
+SNELL_END
+#endif

@@ -1,0 +1,121 @@
+// Whitted's renderer (1980) as a shade stage: direct light at every surface, and rays in the directions of perfect
+// reflection and refraction, both of them at a dielectric. What Whitted did not have is estimated with one ray, so that
+// the picture converges to direct light plus specular transport: a random point on an area light, a random direction
+// for the environment, a random direction for a rough reflection.
+#ifndef SNELL_KERNEL_WHITTED_H
+#define SNELL_KERNEL_WHITTED_H
+#include "snell/kernel/path.h"
+SNELL_BEGIN
+
+// A ray whose throughput has fallen below this is not followed. Since reflected and refracted parts add up to no more
+// than 1, it also bounds the number of rays alive a sample by 1 / whitted_cutoff.
+SNELL_CONST float whitted_cutoff = 1.0f / 256.0f;
+
+struct WhittedStep
+{
+    vec3 emitted;
+    uint layer;
+    Vertex vertex;
+    PathState state;   // with the absorption on the way taken into account
+    uint light_tasks;  // number of connections to ask whitted_connection for
+    CameraPath next_0; // reflection, or the only continuation
+    CameraPath next_1; // refraction
+    uint has_next_0, has_next_1;
+};
+
+SNELL_FN WhittedStep shade_whitted(SNELL_IN(SceneView) scene, SNELL_IN(RenderParams) params,
+                                   SNELL_IN(PathState) arriving, SNELL_IN(Ray) ray, SNELL_IN(Hit) hit)
+{
+    WhittedStep step;
+    step.emitted = vec3(0.0f);
+    step.layer = scatter_layer(arriving.depth);
+    step.state = arriving;
+    step.light_tasks = 0u;
+    step.has_next_0 = 0u;
+    step.has_next_1 = 0u;
+    // after a rough bounce the lights have been sampled there
+    bool counts_emission = arriving.pdf == 0.0f;
+    if (!is_hit(hit)) {
+        if (counts_emission) step.emitted = arriving.throughput * scene.environment;
+        return step;
+    }
+    if (arriving.medium != none)
+        step.state.throughput =
+            arriving.throughput * medium_transmittance(scene, arriving.medium, hit.t * length(ray.direction));
+    Vertex v = make_vertex(scene, ray, hit);
+    step.vertex = v;
+    if (counts_emission) step.emitted = step.state.throughput * v.emission;
+    if (arriving.depth >= params.max_depth) return step;
+
+    if (has_smooth_part(v.material)) {
+        step.light_tasks = scene.delta_light_count;
+        if (scene.light_count > scene.delta_light_count) step.light_tasks += 1u;
+        if (!is_black(scene.environment)) step.light_tasks += 1u;
+    }
+    if (v.material.kind == material_diffuse || v.wo.z == 0.0f) return step;
+
+    SampleKey key = state_key(params, step.state);
+    if (v.material.kind == material_dielectric && v.material.alpha == 0.0f) {
+        // sample_smooth_dielectric reflects for u = 0 and refracts for the largest u; take both, with their weights
+        BsdfSample s0 = sample_smooth_dielectric(v.material, v.wo, 0.0f);
+        s0.weight = s0.weight * s0.pdf;
+        step.next_0 = scatter(scene, step.state, v, s0);
+        step.has_next_0 = max3(step.next_0.state.throughput) > whitted_cutoff ? 1u : 0u;
+        if (s0.pdf < 1.0f) {
+            BsdfSample s1 = sample_smooth_dielectric(v.material, v.wo, 1.0f);
+            s1.weight = s1.weight * s1.pdf;
+            step.next_1 = scatter(scene, step.state, v, s1);
+            step.has_next_1 =
+                max3(step.next_1.state.throughput) * step.next_1.state.eta_scale > whitted_cutoff ? 1u : 0u;
+        }
+        return step;
+    }
+    vec2 u = random_2d(key, vertex_dimension(arriving.depth, dimension_bsdf));
+    float u_lobe = random_1d(key, vertex_dimension(arriving.depth, dimension_lobe));
+    // of a mix only the specular part is followed: its diffuse part has had its direct light
+    if (v.material.kind == material_mix) {
+        if (is_black(v.material.specular)) return step;
+        v.material.base_color = vec3(0.0f);
+    }
+    BsdfSample s = sample_bsdf(v.material, v.wo, u, u_lobe);
+    if (s.pdf == 0.0f) return step;
+    step.next_0 = scatter(scene, step.state, v, s);
+    if (s.wi.z * dot(v.surface.geometric_normal, step.next_0.ray.direction) <= 0.0f) return step;
+    step.has_next_0 = max3(step.next_0.state.throughput) > whitted_cutoff ? 1u : 0u;
+    return step;
+}
+
+// Connection number `task` of a vertex; value 0: nothing to test. Delta lights come first, one each.
+SNELL_FN Connection whitted_connection(SNELL_IN(SceneView) scene, SNELL_IN(RenderParams) params,
+                                       SNELL_IN(WhittedStep) step, uint task)
+{
+    SampleKey key = state_key(params, step.state);
+    LightSample s;
+    if (task < scene.delta_light_count) {
+        s = sample_light(scene.lights.at[task], step.vertex.surface.position, vec2(0.0f, 0.0f));
+    } else {
+        uint area_lights = scene.light_count - scene.delta_light_count;
+        vec2 u = random_2d(key, vertex_dimension(step.state.depth, task == scene.delta_light_count && area_lights > 0u
+                                                                       ? dimension_light
+                                                                       : dimension_select));
+        if (task == scene.delta_light_count && area_lights > 0u) {
+            float x = u.x * float(area_lights); // one number chooses the light and, stretched again, the point on it
+            uint i = min(uint(x), area_lights - 1u);
+            s = sample_light(scene.lights.at[scene.delta_light_count + i], step.vertex.surface.position,
+                             vec2(min(x - float(i), 0.99999994f), u.y));
+            s.pdf /= float(area_lights);
+        } else {
+            s = sample_environment(scene.environment, u);
+        }
+    }
+    Connection c;
+    c.slot = step.state.slot;
+    c.layer = scatter_layer(step.state.depth + 1u);
+    c.value = vec3(0.0f);
+    if (s.pdf > 0.0f) c.value = step.state.throughput * vertex_eval(step.vertex, s.direction) * s.radiance / s.pdf;
+    c.ray = shadow_ray(step.vertex.surface, s);
+    return c;
+}
+
+SNELL_END
+#endif
