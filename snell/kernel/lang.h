@@ -33,7 +33,6 @@
 
 #extension GL_EXT_scalar_block_layout : require
 #extension GL_EXT_buffer_reference : require
-#extension GL_EXT_buffer_reference2 : require
 
 #define SNELL_BEGIN
 #define SNELL_END

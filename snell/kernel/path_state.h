@@ -19,11 +19,11 @@ struct RenderParams
     Camera camera;
     uint width, height; // of the whole picture
     uint seed;
-    uint sampler;    // sampler_*
-    uint max_depth;  // number of bounces after which a path ends: 0 sees emitters only, 1 adds direct light
-    uint flags;      // render_*
-    float distance;  // ambient occlusion: how far a surface shades another
-    float max_steps; // traversal heat map: steps at the hot end of the scale
+    uint sampler_kind; // sampler_*
+    uint max_depth;    // number of bounces after which a path ends: 0 sees emitters only, 1 adds direct light
+    uint flags;        // render_*
+    float distance;    // ambient occlusion: how far a surface shades another
+    float max_steps;   // traversal heat map: steps at the hot end of the scale
 };
 SNELL_LAYOUT(RenderParams, 96)
 
@@ -61,7 +61,7 @@ SNELL_LAYOUT(Connection, 52)
 SNELL_FN SampleKey state_key(SNELL_IN(RenderParams) params, SNELL_IN(PathState) state)
 {
     SampleKey key;
-    key.kind = params.sampler;
+    key.kind = params.sampler_kind;
     key.pixel = state.key_pixel;
     key.index = state.key_index;
     return key;
@@ -87,7 +87,7 @@ struct CameraPath
 // The generate stage: the camera ray of a sample of pixel (x, y).
 SNELL_FN CameraPath generate_camera_path(SNELL_IN(RenderParams) params, uint x, uint y, uint sample_index, uint slot)
 {
-    SampleKey key = make_sample_key(params.sampler, y * params.width + x, sample_index, params.seed);
+    SampleKey key = make_sample_key(params.sampler_kind, y * params.width + x, sample_index, params.seed);
     vec2 jitter = (params.flags & render_jitter) != 0u ? random_2d(key, 0u) : vec2(0.5f, 0.5f);
     CameraPath path;
     path.ray = camera_ray(params.camera, vec2(float(x), float(y)) + jitter);
