@@ -107,7 +107,10 @@ fs::path resolve_target(const fs::path& file)
         if (!error) target = end;
     }
     struct stat info = {};
-    if (::stat(target.c_str(), &info) != 0) return target;
+    if (::stat(target.c_str(), &info) != 0) {
+        if (errno == ENOENT || errno == ENOTDIR) return target; // new, or no such folder: found out when writing
+        throw Error({file.string()}, fmt::format("cannot be a file's name: {}", reason(errno)), "choose another name");
+    }
     if (S_ISDIR(info.st_mode)) throw Error({file.string()}, "is a folder", "name a file in it");
     // Renaming over a device would remove the device.
     if (!S_ISREG(info.st_mode)) throw Error({file.string()}, "is a device, pipe or socket", "name a regular file");

@@ -1,0 +1,174 @@
+#include "snell/core/error.h"
+#include "snell/io/file.h"
+#include "snell/io/image/codec.h"
+#include "snell/kernel/tone.h"
+
+#include <png.h>
+
+#include <algorithm>
+#include <bit>
+#include <csetjmp>
+#include <cstdio>
+#include <cstring>
+
+namespace fs = std::filesystem;
+
+namespace snell {
+
+namespace {
+
+// libpng leaves by longjmp, which must not jump over a destructor: everything that owns memory lives here, outside the
+// functions that call setjmp.
+struct PngReader
+{
+    explicit PngReader(std::string_view all) : left(all) {}
+    ~PngReader() { png_destroy_read_struct(&png, &info, nullptr); }
+    PngReader(const PngReader&) = delete;
+    PngReader& operator=(const PngReader&) = delete;
+
+    png_structp png = nullptr;
+    png_infop info = nullptr;
+    std::string_view left;
+    std::vector<png_bytep> rows;
+    char message[128] = "not enough memory";
+};
+
+void on_error(png_structp png, png_const_charp message)
+{
+    auto* reader = static_cast<PngReader*>(png_get_error_ptr(png));
+    std::snprintf(reader->message, sizeof(reader->message), "%s", message);
+    png_longjmp(png, 1);
+}
+
+void on_warning(png_structp, png_const_charp) {}
+
+void on_read(png_structp png, png_bytep out, std::size_t count)
+{
+    auto* reader = static_cast<PngReader*>(png_get_io_ptr(png));
+    if (count > reader->left.size()) png_error(png, "the file is cut off");
+    std::memcpy(out, reader->left.data(), count);
+    reader->left.remove_prefix(count);
+}
+
+bool read_header(PngReader& reader)
+{
+    reader.png = png_create_read_struct(PNG_LIBPNG_VER_STRING, &reader, on_error, on_warning);
+    if (!reader.png) return false;
+    if (setjmp(png_jmpbuf(reader.png))) return false;
+    reader.info = png_create_info_struct(reader.png);
+    if (!reader.info) return false;
+    png_set_read_fn(reader.png, &reader, on_read);
+    png_set_user_limits(reader.png, max_side, max_side);
+    png_read_info(reader.png, reader.info);
+    return true;
+}
+
+// To RGBA of 8 or 16 bits, whatever the file has.
+bool set_transforms(PngReader& reader, bool is_wide)
+{
+    if (setjmp(png_jmpbuf(reader.png))) return false;
+    png_set_expand(reader.png); // palettes, fewer than 8 bits, transparent colours
+    png_set_gray_to_rgb(reader.png);
+    png_set_add_alpha(reader.png, is_wide ? 0xffff : 0xff, PNG_FILLER_AFTER);
+    if (is_wide && std::endian::native == std::endian::little) png_set_swap(reader.png);
+    png_set_interlace_handling(reader.png);
+    png_read_update_info(reader.png, reader.info);
+    return true;
+}
+
+bool read_rows(PngReader& reader)
+{
+    if (setjmp(png_jmpbuf(reader.png))) return false;
+    png_read_image(reader.png, reader.rows.data());
+    png_read_end(reader.png, nullptr); // a file without its end was cut off
+    return true;
+}
+
+// Thresholds of an even, blue-noise-like pattern in (0, 1): Roberts's R2 sequence over the pixel grid. Kept away from 0
+// and 1 so that rounding errors of the sRGB curve cannot push a representable value to its neighbour.
+float dither_threshold(int x, int y)
+{
+    std::uint32_t bits = static_cast<std::uint32_t>(x) * 3242174889u + static_cast<std::uint32_t>(y) * 2447445414u;
+    float u = static_cast<float>(bits >> 8) * 0x1p-24f;
+    return 1.0f / 1024.0f + u * (1022.0f / 1024.0f);
+}
+
+// Non-finite radiance must not reach the conversion to an integer: NaN is black, infinity very bright.
+vec3 displayable(vec3 radiance)
+{
+    auto fix = [](float v) { return v > 0.0f ? std::min(v, 1e18f) : 0.0f; };
+    return vec3(fix(radiance.x), fix(radiance.y), fix(radiance.z));
+}
+
+std::uint8_t quantize(float value, float threshold)
+{
+    float v = value >= 0.0f ? std::min(value, 1.0f) : value < 0.0f ? 0.0f : 1.0f; // NaN: infinity over infinity
+    return static_cast<std::uint8_t>(v * 255.0f + threshold);
+}
+
+} // namespace
+
+Raster decode_png(const fs::path& file, std::string_view bytes)
+{
+    PngReader reader(bytes);
+    auto fail = [&]() {
+        throw Error({file.string()}, fmt::format("not a good PNG file: {}", reader.message), "write the file again");
+    };
+    if (!read_header(reader)) fail();
+
+    std::uint64_t width = png_get_image_width(reader.png, reader.info);
+    std::uint64_t height = png_get_image_height(reader.png, reader.info);
+    std::uint64_t bits =
+        std::uint64_t(png_get_bit_depth(reader.png, reader.info)) * png_get_channels(reader.png, reader.info);
+    // Deflate packs at most 1032 to 1.
+    check_size(file, static_cast<std::int64_t>(width), static_cast<std::int64_t>(height),
+               height * ((width * bits + 7) / 8) / 1032, bytes.size());
+
+    bool is_wide = png_get_bit_depth(reader.png, reader.info) == 16;
+    if (!set_transforms(reader, is_wide)) fail();
+    std::size_t row_bytes = static_cast<std::size_t>(width) * 4 * (is_wide ? 2 : 1);
+    SNELL_CHECK_EQ(png_get_rowbytes(reader.png, reader.info), row_bytes);
+
+    Raster raster;
+    raster.width = static_cast<int>(width);
+    raster.height = static_cast<int>(height);
+    std::size_t values = static_cast<std::size_t>(width) * static_cast<std::size_t>(height) * 4;
+    png_bytep first;
+    if (is_wide) {
+        raster.words.resize(values);
+        first = reinterpret_cast<png_bytep>(raster.words.data());
+    } else {
+        raster.bytes.resize(values);
+        first = raster.bytes.data();
+    }
+    reader.rows.resize(static_cast<std::size_t>(height));
+    for (std::size_t y = 0; y < reader.rows.size(); ++y) reader.rows[y] = first + y * row_bytes;
+    if (!read_rows(reader)) fail();
+    return raster;
+}
+
+void write_png(const fs::path& file, const Picture& picture, const DisplayTransform& display)
+{
+    std::vector<std::uint8_t> bytes;
+    bytes.reserve(picture.pixels.size() * 3);
+    for (int y = 0; y < picture.height; ++y) {
+        for (int x = 0; x < picture.width; ++x) {
+            vec3 v = display_value(displayable(picture.at(x, y)), display.exposure_ev, display.curve);
+            // One threshold for all three channels: what is grey stays grey.
+            float threshold = dither_threshold(x, y);
+            for (float c : {v.x, v.y, v.z}) bytes.push_back(quantize(c, threshold));
+        }
+    }
+    write_atomically(file, [&](const fs::path& temporary) {
+        png_image image = {};
+        image.version = PNG_IMAGE_VERSION;
+        image.width = static_cast<png_uint_32>(picture.width);
+        image.height = static_cast<png_uint_32>(picture.height);
+        image.format = PNG_FORMAT_RGB;
+        if (!png_image_write_to_file(&image, temporary.c_str(), 0, bytes.data(), 0, nullptr))
+            throw Error({file.string()}, fmt::format("writing the PNG file failed: {}", image.message),
+                        "check the disk's free space");
+    });
+}
+
+} // namespace snell
