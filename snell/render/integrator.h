@@ -3,6 +3,7 @@
 
 #include "snell/bvh/accel.h"
 #include "snell/core/vec.h"
+#include "snell/kernel/random.h"
 #include "snell/kernel/ray.h"
 
 #include <functional>
@@ -26,19 +27,17 @@ class RayScene
     const Accel& accel_;
 };
 
-// The random numbers of one sample of one pixel: next_1d() and next_2d() in [0, 1).
+// The random numbers of one sample of one pixel, in [0, 1), each call a new one.
 class SampleStream
 {
   public:
-    SampleStream(uint sampler_kind, uint pixel, uint sample_index, uint seed)
-        : kind_(sampler_kind), pixel_(pixel), sample_index_(sample_index), seed_(seed)
-    {
-    }
-    float next_1d();
-    vec2 next_2d();
+    explicit SampleStream(SampleKey key) : key_(key) {}
+    float next_1d() { return random_1d(key_, dimension_++); }
+    vec2 next_2d() { return random_2d(key_, dimension_++); }
 
   private:
-    uint kind_, pixel_, sample_index_, seed_, dimension_ = 2;
+    SampleKey key_;
+    uint dimension_ = 2; // the camera has taken the first
 };
 
 // The radiance that arrives along `ray` at its origin.

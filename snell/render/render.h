@@ -31,7 +31,7 @@ struct Progress
     RenderStats stats;   // so far
 };
 
-// Called a few times a second from the rendering thread.
+// Called a few times a second, from one thread at a time.
 using ProgressCallback = std::function<void(const Progress&)>;
 
 struct RenderResult

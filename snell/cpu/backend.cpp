@@ -1,0 +1,168 @@
+// The CPU backend: batches of paths through the stages, tiles on threads.
+#include "snell/render/backend.h"
+#include "snell/core/error.h"
+#include "snell/core/parallel.h"
+#include "snell/core/timer.h"
+#include "snell/cpu/stages.h"
+#include "snell/kernel/views.h"
+
+#include <algorithm>
+#include <atomic>
+#include <mutex>
+
+namespace snell {
+
+// Paths in one batch, about: enough to keep many rays in flight until the last bounces, few enough for the L2 cache.
+constexpr uint batch_paths = 2048;
+
+// Samples whose first hits are recorded: enough for smooth edges, few enough to cost nothing.
+constexpr uint first_hit_samples = 16;
+
+namespace {
+class CpuBackend final : public Backend
+{
+  public:
+    explicit CpuBackend(const BackendJob& job) : job_(job), view_(job.scene.view()) {}
+
+    void render_samples(const Region& region, uint first_sample, uint count, Film& film,
+                        const std::function<bool()>& keep_going) override;
+    RenderStats stats() const override;
+
+  private:
+    void render_tile(const Region& tile, uint first_sample, uint count, Film& film);
+    void finalize(const Batch& batch, const Region& tile, uint first_sample, uint count, Film& film);
+    std::unique_ptr<Batch> take_batch();
+    void give_batch(std::unique_ptr<Batch> batch);
+
+    const BackendJob job_;
+    const SceneView view_;
+    mutable std::mutex mutex_; // of what follows, and of Film::dropped
+    std::vector<std::unique_ptr<Batch>> free_batches_;
+    RenderStats stats_;
+};
+} // namespace
+
+std::unique_ptr<Backend> make_cpu_backend(const BackendJob& job)
+{
+    return std::make_unique<CpuBackend>(job);
+}
+
+void CpuBackend::render_samples(const Region& region, uint first_sample, uint count, Film& film,
+                                const std::function<bool()>& keep_going)
+{
+    const int size = job_.settings.tile_size > 0 ? job_.settings.tile_size : 16;
+    const int columns = (region.x1 - region.x0 + size - 1) / size;
+    const int rows = (region.y1 - region.y0 + size - 1) / size;
+    const uint samples_at_once = std::max(1u, batch_paths / static_cast<uint>(std::min(size * size, 2048)));
+    std::atomic<bool> stop = false;
+    std::mutex callback;
+    parallel_for(static_cast<std::size_t>(columns) * static_cast<std::size_t>(rows), [&](std::size_t i) {
+        const int x0 = region.x0 + static_cast<int>(i % static_cast<std::size_t>(columns)) * size;
+        const int y0 = region.y0 + static_cast<int>(i / static_cast<std::size_t>(columns)) * size;
+        const Region tile{x0, y0, std::min(x0 + size, region.x1), std::min(y0 + size, region.y1)};
+        for (uint done = 0; done < count && !stop; done += samples_at_once) {
+            render_tile(tile, first_sample + done, std::min(samples_at_once, count - done), film);
+            if (const std::unique_lock lock(callback, std::try_to_lock); lock.owns_lock() && !keep_going()) stop = true;
+        }
+    });
+}
+
+static void run_integrator(const StageContext& context, const IntegratorInfo& integrator, Batch& batch)
+{
+    if (integrator.radiance) return run_custom(context, batch, integrator.radiance);
+    const std::string& name = integrator.name;
+    if (name == "path" || name == "furnace") return run_path(context, batch);
+    if (name == "whitted") return run_whitted(context, batch);
+    if (name == "ao") return run_ambient_occlusion(context, batch);
+    if (name == "normals") return run_view(context, batch, view_normals);
+    if (name == "uv") return run_view(context, batch, view_uv);
+    if (name == "depth") return run_view(context, batch, view_depth);
+    if (name == "albedo") return run_view(context, batch, view_albedo);
+    SNELL_CHECK_EQ(name, "steps");
+    run_view(context, batch, view_steps);
+}
+
+void CpuBackend::render_tile(const Region& tile, uint first_sample, uint count, Film& film)
+{
+    std::unique_ptr<Batch> batch = take_batch();
+    const StageContext context{view_, job_.params, job_.accel};
+    if (job_.settings.layers) {
+        const uint recorded_end = job_.settings.first_sample + std::min(job_.settings.spp, first_hit_samples);
+        if (first_sample < recorded_end)
+            record_first_hits(context, *batch, tile, first_sample, std::min(count, recorded_end - first_sample), film);
+    }
+    generate_stage(context, *batch, tile, first_sample, count);
+    run_integrator(context, job_.integrator, *batch);
+    const Timer timer;
+    finalize(*batch, tile, first_sample, count, film);
+    batch->stats.finalize_seconds += timer.seconds();
+    give_batch(std::move(batch));
+}
+
+void CpuBackend::finalize(const Batch& batch, const Region& tile, uint first_sample, uint count, Film& film)
+{
+    std::size_t slot = 0;
+    for (int y = tile.y0; y < tile.y1; ++y) {
+        for (int x = tile.x0; x < tile.x1; ++x) {
+            const std::size_t pixel =
+                static_cast<std::size_t>(y) * static_cast<std::size_t>(film.width) + static_cast<std::size_t>(x);
+            for (uint s = 0; s < count; ++s, ++slot) {
+                const vec3* layers = batch.slots[slot].layers;
+                const vec3 radiance = layers[layer_emission] + layers[layer_direct] + layers[layer_indirect];
+                if (!is_finite3(radiance)) {
+                    if (job_.settings.strict)
+                        throw Error(fmt::format("sample {} of pixel {},{} is not finite: {} {} {}", first_sample + s, x,
+                                                y, radiance.x, radiance.y, radiance.z),
+                                    "render that pixel alone with --pixel to look at it, or leave out --strict");
+                    const std::lock_guard lock(mutex_);
+                    film.dropped_samples += 1;
+                    if (film.dropped.size() < 16 && (film.dropped.empty() || film.dropped.back() != pixel))
+                        film.dropped.push_back(pixel);
+                    continue;
+                }
+                film.sum[pixel] += radiance;
+                film.square_sum[pixel] += sqr(luminance(radiance));
+                film.sample_count[pixel] += 1;
+                if (job_.settings.layers) {
+                    film.layers.emission[pixel] += layers[layer_emission];
+                    film.layers.direct[pixel] += layers[layer_direct];
+                    film.layers.indirect[pixel] += layers[layer_indirect];
+                }
+            }
+        }
+    }
+}
+
+std::unique_ptr<Batch> CpuBackend::take_batch()
+{
+    const std::lock_guard lock(mutex_);
+    if (free_batches_.empty()) return std::make_unique<Batch>();
+    std::unique_ptr<Batch> batch = std::move(free_batches_.back());
+    free_batches_.pop_back();
+    return batch;
+}
+
+void CpuBackend::give_batch(std::unique_ptr<Batch> batch)
+{
+    const std::lock_guard lock(mutex_);
+    const RenderStats& s = batch->stats;
+    stats_.camera_rays += s.camera_rays;
+    stats_.extension_rays += s.extension_rays;
+    stats_.shadow_rays += s.shadow_rays;
+    stats_.samples += batch->slots.size();
+    stats_.generate_seconds += s.generate_seconds;
+    stats_.extend_seconds += s.extend_seconds;
+    stats_.shade_seconds += s.shade_seconds;
+    stats_.connect_seconds += s.connect_seconds;
+    stats_.finalize_seconds += s.finalize_seconds;
+    batch->stats = {};
+    free_batches_.push_back(std::move(batch));
+}
+
+RenderStats CpuBackend::stats() const
+{
+    const std::lock_guard lock(mutex_);
+    return stats_;
+}
+
+} // namespace snell

@@ -1,0 +1,92 @@
+#include "snell/render/film.h"
+
+namespace snell {
+
+Film::Film(int w, int h, bool with_layers) : width(w), height(h)
+{
+    const std::size_t n = static_cast<std::size_t>(w) * static_cast<std::size_t>(h);
+    sum.assign(n, vec3(0.0f));
+    square_sum.assign(n, 0.0f);
+    sample_count.assign(n, 0);
+    if (!with_layers) return;
+    for (std::vector<vec3>* layer : {&layers.albedo, &layers.normal, &layers.geometric_normal, &layers.position,
+                                     &layers.direct, &layers.indirect, &layers.emission})
+        layer->assign(n, vec3(0.0f));
+    layers.uv.assign(n, vec2(0.0f));
+    layers.depth.assign(n, 0.0f);
+    layers.steps.assign(n, 0.0f);
+    layers.object.assign(n, none);
+    layers.material.assign(n, none);
+    layers.hit_count.assign(n, 0);
+    layers.sample_count.assign(n, 0);
+}
+
+// 1 / count; 0 where nothing was counted.
+static float share(uint count)
+{
+    return count > 0 ? 1.0f / static_cast<float>(count) : 0.0f;
+}
+
+Picture Film::picture() const
+{
+    Picture picture{width, height, std::vector<vec3>(sum.size())};
+    for (std::size_t i = 0; i < sum.size(); ++i) picture.pixels[i] = sum[i] * share(sample_count[i]);
+    return picture;
+}
+
+template <class T>
+static void add_channels(std::vector<Channel>& channels, const std::string& layer, const std::string& components,
+                         const std::vector<T>& sums, const std::vector<uint>& counts)
+{
+    for (int c = 0; c < static_cast<int>(components.size()); ++c) {
+        Channel channel{layer.empty() ? components.substr(static_cast<std::size_t>(c), 1)
+                                      : layer + "." + components[static_cast<std::size_t>(c)],
+                        std::vector<float>(sums.size()),
+                        {}};
+        for (std::size_t i = 0; i < sums.size(); ++i) {
+            float value;
+            if constexpr (std::is_same_v<T, float>)
+                value = sums[i];
+            else
+                value = sums[i][c];
+            channel.floats[i] = value * share(counts[i]);
+        }
+        channels.push_back(std::move(channel));
+    }
+}
+
+std::vector<Channel> Film::channels() const
+{
+    std::vector<Channel> channels;
+    // Variance of the pixel's mean, unbiased: what a longer render has to bring down.
+    Channel variance{"Variance.Y", std::vector<float>(sum.size()), {}};
+    Channel count{"SampleCount.Y", std::vector<float>(sum.size()), {}};
+    for (std::size_t i = 0; i < sum.size(); ++i) {
+        const double n = sample_count[i];
+        count.floats[i] = static_cast<float>(n);
+        if (n < 2) continue;
+        const double mean = static_cast<double>(luminance(sum[i])) / n;
+        const double spread = static_cast<double>(square_sum[i]) / n - mean * mean;
+        variance.floats[i] = static_cast<float>(spread > 0 ? spread / (n - 1) : 0);
+    }
+    channels.push_back(std::move(variance));
+    channels.push_back(std::move(count));
+    if (layers.hit_count.empty()) return channels;
+
+    add_channels(channels, "", "Z", layers.depth, layers.hit_count);
+    // Sky has no albedo; an edge pixel has a part of it. So these two are means over all samples, as the colour is.
+    add_channels(channels, "Albedo", "RGB", layers.albedo, layers.sample_count);
+    add_channels(channels, "N", "XYZ", layers.normal, layers.sample_count);
+    add_channels(channels, "Ng", "XYZ", layers.geometric_normal, layers.hit_count);
+    add_channels(channels, "P", "XYZ", layers.position, layers.hit_count);
+    add_channels(channels, "UV", "UV", layers.uv, layers.hit_count);
+    add_channels(channels, "Steps", "Y", layers.steps, layers.sample_count);
+    add_channels(channels, "Direct", "RGB", layers.direct, sample_count);
+    add_channels(channels, "Indirect", "RGB", layers.indirect, sample_count);
+    add_channels(channels, "Emission", "RGB", layers.emission, sample_count);
+    channels.push_back({"ObjectID.I", {}, layers.object});
+    channels.push_back({"MaterialID.I", {}, layers.material});
+    return channels;
+}
+
+} // namespace snell

@@ -1,0 +1,70 @@
+#include "snell/render/integrator.h"
+
+#include "snell/core/error.h"
+
+namespace snell {
+
+Hit RayScene::intersect(const Ray& ray) const
+{
+    Hit hit;
+    accel_.intersect({&ray, 1}, {&hit, 1});
+    return hit;
+}
+
+bool RayScene::occluded(const Ray& ray) const
+{
+    std::uint8_t blocked = 0;
+    accel_.occluded({&ray, 1}, {&blocked, 1});
+    return blocked != 0;
+}
+
+static std::vector<IntegratorInfo>& registry()
+{
+    static const std::string depth = "max_depth=0  bounces after which a path ends; 0: no limit";
+    static std::vector<IntegratorInfo> list = {
+        {"path",
+         "path tracing with next event estimation, multiple importance sampling, Russian roulette",
+         {depth, "nee=1  0: do not sample the lights", "mis=1  0: light sampling alone where both could find a light",
+          "rr=1  0: no Russian roulette"},
+         {}},
+        {"whitted",
+         "Whitted 1980: direct light with shadows, perfect reflection and refraction",
+         {"max_depth=12  number of reflections and refractions that are followed, direct light not counted"},
+         {}},
+        {"ao",
+         "ambient occlusion: how much of its surroundings a surface sees",
+         {"distance=  how far surfaces shade each other, in scene units; a quarter of the scene's radius if not given"},
+         {}},
+        {"furnace",
+         "path tracing with light of 1 from everywhere and no emitters: an albedo of 1 vanishes",
+         {depth, "rr=1  0: no Russian roulette"},
+         {}},
+        {"normals", "shading normals, from [-1, 1] to [0, 1]", {}, {}},
+        {"uv", "texture coordinates in red and green", {}, {}},
+        {"depth", "distance from the camera over the diameter of the scene", {}, {}},
+        {"albedo", "colour of the materials", {}, {}},
+        {"steps", "traversal steps of camera rays as a heat map", {"max_steps=100  steps at the red end"}, {}},
+    };
+    return list;
+}
+
+void register_integrator(std::string name, std::string summary, RadianceFunction radiance)
+{
+    if (find_integrator(name) != nullptr)
+        throw Error(fmt::format("there is an integrator '{}' already", name), "register yours under another name");
+    registry().push_back({std::move(name), std::move(summary), {}, std::move(radiance)});
+}
+
+std::span<const IntegratorInfo> integrators()
+{
+    return registry();
+}
+
+const IntegratorInfo* find_integrator(std::string_view name)
+{
+    for (const IntegratorInfo& info : registry())
+        if (info.name == name) return &info;
+    return nullptr;
+}
+
+} // namespace snell

@@ -1,0 +1,86 @@
+#include "snell/render/params.h"
+
+#include "snell/core/error.h"
+#include "snell/core/text.h"
+
+#include <charconv>
+#include <cmath>
+#include <numbers>
+
+namespace snell {
+
+// Bounces after which even an "unlimited" path ends: a mirror box without roulette has no other end.
+constexpr uint unlimited_depth = 1000;
+
+static double parse_number(const std::string& key, const std::string& text)
+{
+    double value = 0;
+    const auto [end, code] = std::from_chars(text.data(), text.data() + text.size(), value);
+    if (code != std::errc() || end != text.data() + text.size() || !std::isfinite(value) || value < 0)
+        throw Error(fmt::format("-D {}={} is not a number >= 0", key, text));
+    return value;
+}
+
+static void check_keys(const RenderSettings& settings, const IntegratorInfo& integrator)
+{
+    std::vector<std::string> known;
+    for (const std::string& line : integrator.parameters) known.push_back(line.substr(0, line.find('=')));
+    for (const auto& [key, value] : settings.parameters) {
+        if (std::find(known.begin(), known.end(), key) != known.end()) continue;
+        const std::string near = nearest(key, known);
+        throw Error(fmt::format("integrator '{}' has no parameter '{}'", integrator.name, key),
+                    !near.empty()   ? fmt::format("did you mean '{}'?", near)
+                    : known.empty() ? "it has none"
+                                    : fmt::format("it has {}", fmt::join(known, ", ")));
+    }
+}
+
+RenderParams make_render_params(const RenderSettings& settings, const IntegratorInfo& integrator,
+                                const CameraDesc& camera, float scene_radius)
+{
+    check_keys(settings, integrator);
+    const auto number = [&](const std::string& key, double otherwise) {
+        const auto found = settings.parameters.find(key);
+        return found == settings.parameters.end() ? otherwise : parse_number(key, found->second);
+    };
+
+    RenderParams params{};
+    params.width = static_cast<uint>(settings.width);
+    params.height = static_cast<uint>(settings.height);
+    params.seed = settings.seed;
+    if (settings.sampler == "sobol")
+        params.sampler_kind = sampler_sobol;
+    else if (settings.sampler == "independent")
+        params.sampler_kind = sampler_independent;
+    else
+        throw Error(fmt::format("there is no sampler '{}'", settings.sampler), "there are sobol, independent");
+
+    const double depth = number("max_depth", integrator.name == "whitted" ? 12 : 0);
+    params.max_depth =
+        depth == 0 && integrator.name != "whitted" ? unlimited_depth : static_cast<uint>(std::min(depth, 1000.0));
+    if (number("nee", 1) != 0) params.flags |= render_nee;
+    if (number("mis", 1) != 0) params.flags |= render_mis;
+    if (number("rr", 1) != 0) params.flags |= render_roulette;
+    if (settings.pixel_jitter) params.flags |= render_jitter;
+    if (integrator.name == "furnace") {
+        // the environment is all there is; BSDF sampling finds it
+        params.flags |= render_furnace;
+        params.flags &= ~render_nee;
+    }
+    params.distance = static_cast<float>(number("distance", 0.25 * static_cast<double>(scene_radius)));
+    params.max_steps = static_cast<float>(std::max(number("max_steps", 100), 1.0));
+
+    const vec3 view = camera.target - camera.eye;
+    if (!(length(view) > 0) || !(length(cross(view, camera.up)) > 1e-6f * length(view) * length(camera.up)))
+        throw Error("the camera has no direction: eye and target coincide, or up is parallel to the view",
+                    "give other values with --eye, --target or --up");
+    if (!(camera.fov_degrees > 0 && camera.fov_degrees < 180))
+        throw Error(fmt::format("a field of view of {} degrees", camera.fov_degrees),
+                    "it must lie between 0 and 180, both excluded");
+    const float tan_half_fov = std::tan(camera.fov_degrees * std::numbers::pi_v<float> / 360.0f);
+    params.camera = make_pinhole(camera.eye, camera.target, camera.up, tan_half_fov, static_cast<float>(settings.width),
+                                 static_cast<float>(settings.height));
+    return params;
+}
+
+} // namespace snell

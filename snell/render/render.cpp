@@ -1,0 +1,136 @@
+#include "snell/render/render.h"
+
+#include "snell/core/error.h"
+#include "snell/core/parallel.h"
+#include "snell/core/text.h"
+#include "snell/core/timer.h"
+#include "snell/kernel/views.h"
+#include "snell/render/backend.h"
+#include "snell/render/params.h"
+
+#include <algorithm>
+
+namespace snell {
+
+// The nearest name, or all of them.
+template <class Infos>
+static std::string suggestion(const std::string& name, const Infos& infos)
+{
+    std::vector<std::string> names;
+    for (const auto& info : infos) names.emplace_back(info.name);
+    const std::string near = nearest(name, names);
+    return near.empty() ? fmt::format("there are {}", fmt::join(names, ", ")) : fmt::format("did you mean '{}'?", near);
+}
+
+static void apply_overrides(PackedScene& packed, const RenderSettings& settings)
+{
+    for (Material& material : packed.materials) {
+        if (!settings.image_textures) material.base_texture = none;
+        if (!settings.force_diffuse || material.kind == material_diffuse) continue;
+        MaterialPoint point{material.base_color, material.kind,       material.specular,
+                            material.alpha,      material.absorption, material.ior};
+        material.base_color = material_albedo(point);
+        material.kind = material_diffuse;
+    }
+}
+
+std::unique_ptr<Prepared> prepare(const Scene& scene, const RenderSettings& settings)
+{
+    const AccelInfo* info = settings.accel.empty() ? &accels().front() : find_accel(settings.accel);
+    if (info == nullptr)
+        throw Error(fmt::format("there is no accelerator '{}'", settings.accel), suggestion(settings.accel, accels()));
+    if (scene.cameras.empty()) throw Error("the scene has no camera", "call complete() before rendering it");
+    set_thread_count(settings.threads);
+
+    auto prepared = std::make_unique<Prepared>();
+    Timer timer;
+    prepared->packed = pack(scene);
+    apply_overrides(prepared->packed, settings);
+    prepared->camera = scene.cameras.front();
+    prepared->pack_seconds = timer.lap();
+    prepared->accel = info->make(prepared->packed, settings.accel_options);
+    prepared->build_seconds = timer.seconds();
+    return prepared;
+}
+
+static Region checked_region(const RenderSettings& settings)
+{
+    if (settings.width < 1 || settings.height < 1 || settings.width > 65536 || settings.height > 65536)
+        throw Error(fmt::format("a picture of {}x{} pixels", settings.width, settings.height),
+                    "each side must have 1 to 65536 pixels");
+    if (settings.spp < 1) throw Error("0 samples a pixel", "give --spp a number of at least 1");
+    const Region whole{0, 0, settings.width, settings.height};
+    if (!settings.region) return whole;
+    const Region r{std::max(settings.region->x0, 0), std::max(settings.region->y0, 0),
+                   std::min(settings.region->x1, whole.x1), std::min(settings.region->y1, whole.y1)};
+    if (r.x0 >= r.x1 || r.y0 >= r.y1) throw Error("the region to render has no pixel inside the picture");
+    return r;
+}
+
+RenderResult render(const Prepared& prepared, const RenderSettings& settings, const ProgressCallback& progress,
+                    const std::atomic<bool>* cancel)
+{
+    const Region region = checked_region(settings);
+    const IntegratorInfo* integrator = find_integrator(settings.integrator);
+    if (integrator == nullptr)
+        throw Error(fmt::format("there is no integrator '{}'", settings.integrator),
+                    suggestion(settings.integrator, integrators()));
+    const RenderParams params = make_render_params(settings, *integrator, prepared.camera, prepared.packed.radius);
+    set_thread_count(settings.threads);
+
+    RenderResult result;
+    result.film = Film(settings.width, settings.height, settings.layers);
+    const std::unique_ptr<Backend> backend =
+        make_cpu_backend({prepared.packed, *prepared.accel, params, settings, *integrator});
+
+    const Timer timer;
+    const double samples_in_all = static_cast<double>(region.x1 - region.x0) * (region.y1 - region.y0) * settings.spp;
+    uint done = 0;
+    double last_report = 0;
+    bool stopped = false;
+    const auto report = [&] {
+        if (!progress) return;
+        Progress p;
+        p.stats = backend->stats();
+        p.stats.render_seconds = timer.seconds();
+        p.fraction = static_cast<double>(p.stats.samples) / samples_in_all;
+        p.spp_done = done;
+        progress(p);
+    };
+    const auto keep_going = [&] {
+        const double now = timer.seconds();
+        if (cancel != nullptr && *cancel) stopped = true;
+        if (settings.timeout_seconds > 0 && now > settings.timeout_seconds) stopped = true;
+        if (now - last_report > 0.1) {
+            last_report = now;
+            report();
+        }
+        return !stopped;
+    };
+
+    // Passes over the whole picture: when somebody stops the render, all of it has been worked on.
+    while (done < settings.spp && !stopped) {
+        const uint count = std::min(settings.spp - done, std::clamp(done, 8u, 64u));
+        backend->render_samples(region, settings.first_sample + done, count, result.film, keep_going);
+        if (!stopped) done += count;
+    }
+
+    result.stats = backend->stats();
+    result.stats.pack_seconds = prepared.pack_seconds;
+    result.stats.build_seconds = prepared.build_seconds;
+    result.stats.render_seconds = timer.seconds();
+    result.stats.scene_bytes = prepared.packed.bytes();
+    result.stats.accel_bytes = prepared.accel->stats.bytes;
+    result.stats.cancelled = stopped;
+    report();
+    std::sort(result.film.dropped.begin(), result.film.dropped.end());
+    return result;
+}
+
+RenderResult render(const Scene& scene, const RenderSettings& settings)
+{
+    const std::unique_ptr<Prepared> prepared = prepare(scene, settings);
+    return render(*prepared, settings);
+}
+
+} // namespace snell
