@@ -1,0 +1,53 @@
+#include "camera_choice.h"
+
+#include "usage.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cctype>
+
+namespace snell::app {
+
+static std::size_t find_camera(const Scene& scene, const std::string& name)
+{
+    std::vector<std::string> names;
+    for (const CameraDesc& camera : scene.cameras) names.push_back(camera.name);
+    if (const auto found = std::find(names.begin(), names.end(), name); found != names.end())
+        return static_cast<std::size_t>(found - names.begin());
+
+    if (!name.empty() && std::all_of(name.begin(), name.end(), [](unsigned char c) { return std::isdigit(c) != 0; })) {
+        if (names.empty()) throw UsageError("--camera: the scene has no cameras; --eye and --target make one");
+        return static_cast<std::size_t>(
+            parse_integer("--camera", name, 0, static_cast<std::int64_t>(names.size()) - 1));
+    }
+    check_name("camera", name, names);
+    return 0;
+}
+
+void choose_camera(Scene& scene, const CameraChoice& choice, float aspect)
+{
+    std::size_t chosen = 0;
+    if (!choice.camera.empty()) {
+        chosen = find_camera(scene, choice.camera);
+    } else if (scene.cameras.empty() && choice.eye && choice.target) {
+        add(scene, CameraDesc{"command line"}); // nothing to be framed, and nothing to be said about it
+    }
+    complete(scene, aspect);
+
+    CameraDesc camera = scene.cameras.at(chosen);
+    if (choice.eye) camera.eye = *choice.eye;
+    if (choice.target) camera.target = *choice.target;
+    if (choice.up) camera.up = *choice.up;
+    if (choice.fov_degrees) camera.fov_degrees = *choice.fov_degrees;
+
+    const vec3 view = camera.target - camera.eye;
+    if (!(length(view) > 0.0f)) throw UsageError("--eye and --target are the same point; move one of them");
+    if (!(length(cross(normalize(view), camera.up)) > 1e-6f * length(camera.up))) {
+        if (choice.up) throw UsageError("--up is zero or points along the view; give another direction");
+        camera.up = std::abs(view.y) > std::abs(view.x) ? vec3(0.0f, 0.0f, -1.0f) : vec3(0.0f, 1.0f, 0.0f);
+    }
+    scene.cameras.assign(1, camera);
+}
+
+} // namespace snell::app

@@ -1,0 +1,22 @@
+// Which of a scene's cameras to render through, and how the command line changes it.
+#pragma once
+
+#include "snell/scene/scene.h"
+
+#include <optional>
+#include <string>
+
+namespace snell::app {
+
+struct CameraChoice
+{
+    std::string camera; // name or index; empty: the first one
+    std::optional<vec3> eye, target, up;
+    std::optional<float> fov_degrees;
+};
+
+// Completes the scene (see snell/scene/scene.h) and leaves in it the one camera that was chosen. Throws UsageError if
+// there is no such camera or it cannot see: eye and target in one place, up along the view.
+void choose_camera(Scene& scene, const CameraChoice& choice, float aspect);
+
+} // namespace snell::app

@@ -1,0 +1,59 @@
+#include "picture_layers.h"
+
+#include "snell/core/version.h"
+#include "snell/kernel/camera.h"
+
+#include <fmt/format.h>
+
+namespace snell::app {
+
+// EXR's matrices are for row vectors, p' = p M, with the translation in the last row. Camera space is left-handed
+// (RenderMan's): x right, y up, z along the view.
+static void add_matrices(Layers& layers, const Camera& camera)
+{
+    const vec3 right = normalize(camera.right), up = normalize(camera.up), forward = camera.forward;
+    const vec3 axes[3] = {right, up, forward};
+    float to_camera[4][4] = {{0, 0, 0, 0}, {0, 0, 0, 0}, {0, 0, 0, 0}, {0, 0, 0, 1}};
+    for (int column = 0; column < 3; ++column) {
+        for (int row = 0; row < 3; ++row) to_camera[row][column] = axes[column][row];
+        to_camera[3][column] = -dot(axes[column], camera.origin);
+    }
+
+    // Normalised device coordinates: (0, 0) is the upper left corner of the picture and (1, 1) the lower right one,
+    // after division by w, which is the depth. z is depth too, so that the matrix can be inverted.
+    const float half_width = length(camera.right), half_height = length(camera.up);
+    float to_ndc[4][4];
+    for (int row = 0; row < 4; ++row) {
+        const float x = to_camera[row][0], y = to_camera[row][1], z = to_camera[row][2];
+        to_ndc[row][0] = 0.5f * (x / half_width + z);
+        to_ndc[row][1] = 0.5f * (z - y / half_height);
+        to_ndc[row][2] = z - to_camera[row][3];
+        to_ndc[row][3] = z;
+    }
+    layers.world_to_camera.assign(&to_camera[0][0], &to_camera[0][0] + 16);
+    layers.world_to_ndc.assign(&to_ndc[0][0], &to_ndc[0][0] + 16);
+}
+
+Layers picture_layers(const RenderReport& report, const CameraDesc& desc)
+{
+    const RenderSettings& settings = report.job.settings;
+    const Film& film = report.result.film;
+    Layers layers;
+    if (settings.layers) layers.channels = film.channels();
+    layers.attributes = {{"version", fmt::format("snell {} ({})", version(), commit())},
+                         {"commandLine", report.job.command_line},
+                         {"integrator", settings.integrator},
+                         {"sampler", settings.sampler},
+                         {"seed", std::to_string(settings.seed)}};
+    layers.numbers = {{"spp", report.spp_done}, {"seconds", report.result.stats.render_seconds}};
+    if (settings.region) { // what was not rendered is transparent, not black
+        layers.alpha.resize(film.sample_count.size());
+        for (std::size_t i = 0; i < layers.alpha.size(); ++i) layers.alpha[i] = film.sample_count[i] > 0 ? 1.0f : 0.0f;
+    }
+    const float half_fov = desc.fov_degrees * pi / 360.0f;
+    add_matrices(layers, make_pinhole(desc.eye, desc.target, desc.up, tan(half_fov), static_cast<float>(settings.width),
+                                      static_cast<float>(settings.height)));
+    return layers;
+}
+
+} // namespace snell::app
