@@ -17,8 +17,11 @@ struct PackedGroup
 };
 
 // What Scene becomes for rendering. Groups that are placed once are moved into world space; their primitives form
-// `world`. The others stay in object space, in `groups`, and are reached through `instances` (one level, no nesting).
-// Within each run the triangles of one surface are consecutive.
+// `world` (except that spheres which would become ellipsoids, or textured ones that would turn, stay). The others stay
+// in object space, in `groups`, and are reached through `instances` (one level, no nesting). Within each run the
+// triangles of one surface are consecutive. A transform that mirrors exchanges two vertices, of triangles in world
+// space and of the lights of mirrored instances, so that the side of the normal stays the same.
+// Objects are numbered through all kinds: meshes, then spheres, then planes, each in the order of the Scene.
 struct PackedScene
 {
     std::vector<vec3> positions;

@@ -151,6 +151,22 @@ std::optional<Transform> inverse(const Transform& m)
     return result;
 }
 
+float determinant(const Transform& m)
+{
+    return dot(vec3(m.x.x, m.x.y, m.x.z), cross(vec3(m.y.x, m.y.y, m.y.z), vec3(m.z.x, m.z.y, m.z.z)));
+}
+
+float uniform_scale(const Transform& m)
+{
+    const glm::dvec3 x(m.x.x, m.x.y, m.x.z), y(m.y.x, m.y.y, m.y.z), z(m.z.x, m.z.y, m.z.z);
+    const double xx = glm::dot(x, x), yy = glm::dot(y, y), zz = glm::dot(z, z);
+    constexpr double tolerance = 1e-5; // rounding of composed rotations
+    const double limit = tolerance * xx;
+    for (const double error : {xx - yy, xx - zz, glm::dot(x, y), glm::dot(y, z), glm::dot(z, x)})
+        if (!(std::abs(error) <= limit)) return 0.0f;
+    return static_cast<float>(std::sqrt((xx + yy + zz) / 3.0));
+}
+
 static void extend(Bounds& bounds, const Bounds& other)
 {
     bounds.lower = min(bounds.lower, other.lower);

@@ -168,6 +168,10 @@ Transform rotation(vec3 axis, float degrees);
 Transform compose(const Transform& a, const Transform& b);
 // The inverse map; empty if the transform is singular or not finite.
 std::optional<Transform> inverse(const Transform& m);
+// By how much the map scales volumes; negative if it mirrors.
+float determinant(const Transform& m);
+// The factor by which the map scales all lengths; 0 if that depends on the direction.
+float uniform_scale(const Transform& m);
 
 struct Bounds
 {

@@ -9,11 +9,10 @@
 
 namespace snell {
 
-static bool is_finite(const Transform& m)
+static bool is_usable(const Transform& m)
 {
     for (const vec4 row : {m.x, m.y, m.z})
-        for (int i = 0; i < 4; ++i)
-            if (!std::isfinite(row[i])) return false;
+        if (!is_seen(vec3(row.x, row.y, row.z)) || !is_seen(vec3(row.w))) return false;
     return true;
 }
 
@@ -212,9 +211,9 @@ static void check_instances(const Scene& scene)
         if (instance.group.value >= scene.groups.size())
             throw Error(fmt::format("instance {} refers to group {} of {}", label(instance.name, i),
                                     static_cast<std::int32_t>(instance.group.value), scene.groups.size()));
-        if (!is_finite(instance.transform))
-            throw Error(
-                fmt::format("instance {}: the transform has a NaN or infinite number", label(instance.name, i)));
+        if (!is_usable(instance.transform))
+            throw Error(fmt::format("instance {}: the transform has a number that is NaN, infinite or beyond 1e18",
+                                    label(instance.name, i)));
         if (!inverse(instance.transform))
             throw Error(fmt::format("instance {}: the transform is singular, it flattens what it places",
                                     label(instance.name, i)),
