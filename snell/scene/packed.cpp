@@ -1,5 +1,7 @@
 #include "snell/scene/packed.h"
 
+#include <algorithm>
+
 namespace snell {
 
 SceneView PackedScene::view() const
@@ -20,6 +22,9 @@ SceneView PackedScene::view() const
     v.texels.at = texels.data();
     v.srgb.at = srgb.data();
     v.light_count = static_cast<uint>(lights.size());
+    const auto is_area_light = [](const Light& light) { return light.kind >= light_triangle; };
+    v.delta_light_count =
+        static_cast<uint>(std::find_if(lights.begin(), lights.end(), is_area_light) - lights.begin());
     v.plane_count = static_cast<uint>(planes.size());
     v.environment = environment;
     v.scene_radius = radius;
