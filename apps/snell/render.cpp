@@ -71,6 +71,8 @@ int run_render(const Arguments& arguments)
 
     // Until here Ctrl-C simply ends the program: there is nothing to save.
     const InterruptGuard interrupt;
+    console().detail(
+        fmt::format("rendering {}x{} at {} samples a pixel", settings.width, settings.height, settings.spp));
     RenderResult result;
     {
         ProgressLine line(settings.spp);

@@ -1,0 +1,110 @@
+// snell list: everything that has a name.
+#include "commands.h"
+#include "names.h"
+#include "options.h"
+
+#include "snell/bvh/accel.h"
+#include "snell/render/integrator.h"
+#include "snell/scene/builtin.h"
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+namespace snell::app {
+
+namespace {
+struct Entry
+{
+    std::string name, summary;
+    std::vector<std::string> parameters;
+};
+
+struct Section
+{
+    std::string key, title; // key: in JSON
+    std::vector<Entry> entries;
+};
+} // namespace
+
+static std::vector<Section> sections()
+{
+    std::vector<Section> all;
+    Section& integrator = all.emplace_back(Section{"integrators", "Integrators (--integrator, -D)", {}});
+    for (const IntegratorInfo& info : integrators())
+        integrator.entries.push_back({info.name, info.summary, info.parameters});
+
+    Section& accel = all.emplace_back(Section{"accels", "Acceleration structures (--accel)", {}});
+    for (const AccelInfo& info : accels())
+        accel.entries.push_back({std::string(info.name), std::string(info.summary), {}});
+
+    const auto add_named = [&](const char* key, const char* title, const std::vector<Named>& names) {
+        Section& section = all.emplace_back(Section{key, title, {}});
+        for (const Named& one : names) section.entries.push_back({std::string(one.name), std::string(one.summary), {}});
+    };
+    add_named("samplers", "Samplers (--sampler)", samplers());
+    add_named("tone_curves", "Tone curves (--tone)", tone_curves());
+
+    Section& scene = all.emplace_back(Section{"scenes", "Built-in scenes", {}});
+    for (const BuiltinScene& builtin : builtin_scenes())
+        scene.entries.push_back({std::string(builtin.name), std::string(builtin.summary), {}});
+
+    add_named("scene_formats", "Scene files",
+              {{".obj", "Wavefront OBJ with MTL materials"},
+               {".ply", "Stanford PLY, ASCII and binary"},
+               {".stl", "STL, ASCII and binary"}});
+    add_named("texture_formats", "Texture files",
+              {{".png", "8 and 16 bit"},
+               {".jpg", "JPEG"},
+               {".tga", "Targa"},
+               {".bmp", "BMP"},
+               {".hdr", "Radiance, linear"},
+               {".exr", "OpenEXR, linear"}});
+    add_named("picture_formats", "Picture files (-o)",
+              {{".exr", "OpenEXR, 32-bit float, linear, with layers and attributes"},
+               {".png", "8 bit, exposure and tone curve applied, sRGB, dithered"},
+               {".hdr", "Radiance, linear"},
+               {".pfm", "portable float map, linear"}});
+    return all;
+}
+
+static void print_text(const std::vector<Section>& all)
+{
+    bool first = true;
+    for (const Section& section : all) {
+        fmt::print("{}{}:\n", first ? "" : "\n", section.title);
+        first = false;
+        for (const Entry& entry : section.entries) {
+            fmt::print("  {:16} {}\n", entry.name, entry.summary);
+            for (const std::string& parameter : entry.parameters) fmt::print("  {:16}   -D {}\n", "", parameter);
+        }
+    }
+}
+
+static void print_json(const std::vector<Section>& all)
+{
+    nlohmann::ordered_json json;
+    for (const Section& section : all) {
+        auto& list = json[section.key] = nlohmann::ordered_json::array();
+        for (const Entry& entry : section.entries) {
+            nlohmann::ordered_json one = {{"name", entry.name}, {"summary", entry.summary}};
+            if (section.key == "integrators") one["parameters"] = entry.parameters;
+            list.push_back(std::move(one));
+        }
+    }
+    fmt::print("{}\n", json.dump());
+}
+
+int run_list(const Arguments& arguments)
+{
+    bool json = false;
+    Options options("list", "Lists everything that has a name.", "Examples:\n  snell list\n  snell list --json\n");
+    options.flag("--json", "Print one JSON object", [&] { json = true; });
+    if (const auto code = options.parse(arguments)) return *code;
+    if (json)
+        print_json(sections());
+    else
+        print_text(sections());
+    return 0;
+}
+
+} // namespace snell::app
