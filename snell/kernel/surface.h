@@ -89,7 +89,8 @@ SNELL_FN SurfacePoint sphere_point(SNELL_IN(SceneView) scene, Ray ray, Hit hit)
     s.position = sphere.center + sphere.radius * n;
     s.geometric_normal = n;
     s.shading_normal = n;
-    s.uv = vec2(0.5f + atan(n.x, n.z) * (0.5f * inv_pi), 0.5f + asin(clamp(n.y, -1.0f, 1.0f)) * inv_pi);
+    // not asin: near the poles it loses digits, and GPUs compute it to three places only
+    s.uv = vec2(0.5f + atan(n.x, n.z) * (0.5f * inv_pi), 0.5f + atan(n.y, sqrt(n.x * n.x + n.z * n.z)) * inv_pi);
     s.color = vec3(1.0f);
     s.material = sphere.material;
     s.object = sphere.object;

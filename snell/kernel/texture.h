@@ -37,10 +37,11 @@ SNELL_FN vec4 fetch_texel(SNELL_IN(SceneView) scene, Texture texture, int x, int
 SNELL_FN_COLD vec4 sample_texture(SNELL_IN(SceneView) scene, uint index, vec2 uv)
 {
     Texture texture = scene.textures.at[index];
+    if (!is_finite(uv.x) || !is_finite(uv.y))
+        return fetch_texel(scene, texture, 0, 0); // before GLSL's clamp sees a NaN
     // bring far coordinates near first: beyond 2^24 the integer part would swallow the fraction
     float u = texture.wrap == wrap_clamp ? clamp(uv.x, 0.0f, 1.0f) : uv.x - 2.0f * floor(0.5f * uv.x);
     float v = texture.wrap == wrap_clamp ? clamp(uv.y, 0.0f, 1.0f) : uv.y - 2.0f * floor(0.5f * uv.y);
-    if (!is_finite(u) || !is_finite(v)) return fetch_texel(scene, texture, 0, 0);
     float x = u * float(texture.width) - 0.5f;
     float y = (1.0f - v) * float(texture.height) - 0.5f;
     float x0 = floor(x);
