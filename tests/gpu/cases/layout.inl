@@ -1,0 +1,162 @@
+// Byte for byte the same structs: every member of an element of an array in memory, where each word is another number.
+// Here `scene` is pattern_scene(); RAW(Array) are 65536 such words seen as an array.
+#ifndef TWIN_CASES
+#include "snell/kernel/scene_view.h"
+#include "tests/gpu/draw.h"
+SNELL_BEGIN
+SNELL_ARRAY(TwinRays, Ray)
+SNELL_ARRAY(TwinHits, Hit)
+SNELL_ARRAY(TwinKeys, SampleKey)
+SNELL_ARRAY(TwinCameras, Camera)
+SNELL_ARRAY(TwinParams, RenderParams)
+SNELL_ARRAY(TwinStates, PathState)
+SNELL_ARRAY(TwinConnections, Connection)
+SNELL_END
+#else
+
+TWIN(layout_scene_view, 0.0f, 0.0f, 0.0f)
+{
+    uint i = index_below(1000u);
+    give(scene.positions.at[i]);
+    give(scene.normals.at[i]);
+    give(scene.uvs.at[i]);
+    give(scene.colors.at[i]);
+    give(scene.triangles.at[i].v0);
+    give(scene.surfaces.at[i & 127u].material);
+    give(scene.spheres.at[i & 127u].center);
+    give(scene.planes.at[i & 127u].normal);
+    give(scene.instances.at[i & 127u].group);
+    give(scene.materials.at[i & 127u].kind);
+    give(scene.lights.at[i & 127u].kind);
+    give(scene.textures.at[i & 127u].offset);
+    give(scene.texels.at[i]);
+    give(scene.srgb.at[i]);
+    give(scene.light_count);
+    give(scene.plane_count);
+    give(scene.environment);
+    give(scene.scene_radius);
+    give(scene.scene_center);
+    give(scene.delta_light_count);
+}
+TWIN(layout_material, 0.0f, 0.0f, 0.0f)
+{
+    uint i = index_below(200u);
+    Material m = scene.materials.at[i];
+    give(m.base_color);
+    give(m.kind);
+    give(m.emission);
+    give(m.alpha);
+    give(m.specular);
+    give(m.ior);
+    give(m.absorption);
+    give(m.flags);
+    give(m.base_texture);
+}
+TWIN(layout_light, 0.0f, 0.0f, 0.0f)
+{
+    uint i = index_below(170u);
+    Light l = scene.lights.at[i];
+    give(l.position);
+    give(l.kind);
+    give(l.direction);
+    give(l.cos_inner);
+    give(l.edge);
+    give(l.cos_outer);
+    give(l.emission);
+    give(l.two_sided);
+    give(l.primitive);
+    give(l.instance);
+    give(l.select_pdf);
+    give(l.alias_threshold);
+    give(l.alias);
+}
+TWIN(layout_geometry, 0.0f, 0.0f, 0.0f)
+{
+    uint i = index_below(500u);
+    Triangle t = scene.triangles.at[i];
+    give(t.v0);
+    give(t.v1);
+    give(t.v2);
+    give(t.surface);
+    Surface s = scene.surfaces.at[i];
+    give(s.material);
+    give(s.object);
+    give(s.first_vertex);
+    give(s.normal_base);
+    give(s.uv_base);
+    give(s.color_base);
+    give(s.first_triangle);
+    give(s.first_light);
+    Sphere b = scene.spheres.at[i];
+    give(b.center);
+    give(b.radius);
+    give(b.material);
+    give(b.object);
+    give(b.light);
+    Plane p = scene.planes.at[i];
+    give(p.normal);
+    give(p.offset);
+    give(p.material);
+    give(p.object);
+}
+TWIN(layout_instance, 0.0f, 0.0f, 0.0f)
+{
+    uint i = index_below(146u);
+    Instance n = scene.instances.at[i];
+    give(n.to_world.x);
+    give(n.to_world.y);
+    give(n.to_world.z);
+    give(n.to_object.x);
+    give(n.to_object.y);
+    give(n.to_object.z);
+    give(n.group);
+    give(n.light_base);
+    give(n.object);
+}
+TWIN(layout_texture, 0.0f, 0.0f, 0.0f)
+{
+    uint i = index_below(500u);
+    Texture t = scene.textures.at[i];
+    give(t.offset);
+    give(t.width);
+    give(t.height);
+    give(t.format);
+    give(t.wrap);
+}
+TWIN(layout_ray_and_hit, 0.0f, 0.0f, 0.0f)
+{
+    uint i = index_below(8000u);
+    give(RAW(TwinRays).at[i]);
+    give(RAW(TwinHits).at[i]);
+}
+TWIN(layout_camera, 0.0f, 0.0f, 0.0f)
+{
+    uint i = index_below(2000u);
+    give_camera(RAW(TwinCameras).at[i]);
+    SampleKey k = RAW(TwinKeys).at[i];
+    give(k.kind);
+    give(k.pixel);
+    give(k.index);
+}
+TWIN(layout_params, 0.0f, 0.0f, 0.0f)
+{
+    uint i = index_below(2000u);
+    RenderParams p = RAW(TwinParams).at[i];
+    give_camera(p.camera);
+    give(p.width);
+    give(p.height);
+    give(p.seed);
+    give(p.sampler_kind);
+    give(p.max_depth);
+    give(p.flags);
+    give(p.distance);
+    give(p.max_steps);
+}
+TWIN(layout_path, 0.0f, 0.0f, 0.0f)
+{
+    uint i = index_below(5000u);
+    give_state(RAW(TwinStates).at[i]);
+    give_connection(RAW(TwinConnections).at[i]);
+}
+
+#endif

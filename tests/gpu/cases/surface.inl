@@ -1,0 +1,53 @@
+// What is at a hit.
+#ifndef TWIN_CASES
+#include "snell/kernel/surface.h"
+#include "tests/gpu/draw.h"
+#else
+
+TWIN(offset_point, 1e-6f, 1e-7f, 0.0f)
+{
+    vec3 p = point(8.0f);
+    vec3 n = direction();
+    vec3 w = direction();
+    give(offset_point(p, n));
+    give(offset_point(0.01f * p, n));
+    give(offset_toward(p, n, w));
+}
+TWIN(triangle_point, 1e-4f, 1e-5f, 0.0f)
+{
+    Hit hit = draw_hit();
+    hit.primitive = pack_primitive(kind_triangle, primitive_index(hit.primitive));
+    give_surface_point(triangle_point(scene, hit));
+}
+TWIN(sphere_point, 1e-4f, 1e-4f, 0.0f)
+{
+    uint index = index_below(scene_spheres);
+    Ray ray = draw_ray();
+    Hit hit = draw_hit();
+    hit.primitive = pack_primitive(kind_sphere, index);
+    give_surface_point(sphere_point(scene, ray, hit));
+}
+TWIN(plane_point, 1e-4f, 1e-4f, 0.0f)
+{
+    uint index = index_below(scene_planes);
+    Ray ray = draw_ray();
+    Hit hit = draw_hit();
+    hit.primitive = pack_primitive(kind_plane, index);
+    give_surface_point(plane_point(scene, ray, hit));
+}
+TWIN(surface_point, 1e-4f, 1e-4f, 0.001f) // the normals switch sides
+{
+    Ray ray = draw_ray();
+    Hit hit = draw_hit();
+    give_surface_point(surface_point(scene, ray, hit));
+}
+TWIN(material_point, 1e-5f, 1e-4f, 0.0f)
+{
+    uint index = index_below(scene_materials);
+    SurfacePoint s;
+    s.uv = point2(4.0f);
+    s.color = color();
+    give_material_point(material_point(scene, scene.materials.at[index], s));
+}
+
+#endif

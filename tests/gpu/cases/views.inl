@@ -1,0 +1,52 @@
+// Ambient occlusion and the debug views.
+#ifndef TWIN_CASES
+#include "snell/kernel/views.h"
+#include "tests/gpu/draw.h"
+#else
+
+TWIN(heat_color, 1e-6f, 1e-6f, 0.0f)
+{
+    float x = range(-0.5f, 1.5f);
+    give(heat_color(x));
+}
+TWIN(material_albedo, 1e-4f, 1e-5f, 0.0f)
+{
+    uint kind = index_below(5u);
+    MaterialPoint m = draw_material_point(kind, 0.5f);
+    give(material_albedo(m));
+}
+TWIN(view_value, 1e-3f, 1e-3f, 0.001f) // fract of a texture coordinate jumps
+{
+    RenderParams params = draw_params();
+    uint view = index_below(5u);
+    Ray ray = draw_ray();
+    Hit hit = draw_hit();
+    uint steps = index_below(300u);
+    uint nothing = index_below(16u);
+    if (nothing == 0u) hit = miss(ray.t_max);
+    give(view_value(scene, params, view, ray, hit, steps));
+}
+TWIN(ambient_connection, 1e-3f, 1e-3f, 0.001f)
+{
+    RenderParams params = draw_params();
+    PathState state = draw_state();
+    Ray ray = draw_ray();
+    Hit hit = draw_hit();
+    give_connection(ambient_connection(scene, params, state, ray, hit));
+}
+TWIN(first_hit, 1e-3f, 1e-4f, 0.001f)
+{
+    Ray ray = draw_ray();
+    Hit hit = draw_hit();
+    FirstHit f = first_hit(scene, ray, hit);
+    give(f.albedo);
+    give(f.normal);
+    give(f.geometric_normal);
+    give(f.position);
+    give(f.uv);
+    give(f.depth);
+    give(f.object);
+    give(f.material);
+}
+
+#endif

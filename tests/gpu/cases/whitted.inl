@@ -1,0 +1,41 @@
+// The shade stage of Whitted's renderer.
+#ifndef TWIN_CASES
+#include "snell/kernel/whitted.h"
+#include "tests/gpu/draw.h"
+#else
+
+TWIN(shade_whitted, 1e-3f, 1e-3f, 0.005f)
+{
+    RenderParams params = draw_params();
+    PathState state = draw_state();
+    Ray ray = draw_ray();
+    Hit hit = draw_hit();
+    uint nothing = index_below(16u);
+    if (nothing == 0u) hit = miss(ray.t_max);
+    WhittedStep step = shade_whitted(scene, params, state, ray, hit);
+    give(step.emitted);
+    give(step.layer);
+    give(step.light_tasks);
+    give_state(step.state);
+    give(step.has_next_0);
+    give(step.has_next_1);
+    if (step.has_next_0 != 0u) give_camera_path(step.next_0);
+    if (step.has_next_1 != 0u) give_camera_path(step.next_1);
+}
+TWIN(whitted_connection, 1e-3f, 1e-3f, 0.002f)
+{
+    RenderParams params = draw_params();
+    WhittedStep step;
+    step.state = draw_state();
+    Ray ray = draw_ray();
+    Hit hit = draw_hit();
+    uint task = index_below(8u);
+    step.vertex = make_vertex(scene, ray, hit);
+    Connection c = whitted_connection(scene, params, step, task);
+    give(c.value);
+    give(c.slot);
+    give(c.layer);
+    if (!is_black(c.value)) give(c.ray); // nothing to test: the ray has no meaning
+}
+
+#endif

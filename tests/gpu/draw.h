@@ -1,0 +1,159 @@
+// Random structs for cases, and their results given away member by member. In the kernel dialect: both compilers read
+// this. Each draw stands in a statement of its own.
+#ifndef SNELL_TESTS_GPU_DRAW_H
+#define SNELL_TESTS_GPU_DRAW_H
+#include "snell/kernel/bsdf.h"
+#include "snell/kernel/light.h"
+#include "snell/kernel/path_state.h"
+#include "tests/gpu/scene_sizes.h"
+SNELL_BEGIN
+
+SNELL_FN_COLD Ray draw_ray()
+{
+    vec3 origin = point(4.0f);
+    vec3 target = point(2.0f);
+    float t_max = magnitude(0.5f, 1e6f);
+    return make_ray(origin, target - origin, t_max);
+}
+
+// A hit on the random scene; t and the ray do not really lead there, which no kernel minds.
+SNELL_FN_COLD Hit draw_hit()
+{
+    uint kind = index_below(3u);
+    uint index =
+        index_below(kind == kind_triangle ? scene_triangles : (kind == kind_sphere ? scene_spheres : scene_planes));
+    uint instance = index_below(2u * scene_instances);
+    float a = unit();
+    float b = unit();
+    Hit hit;
+    hit.t = range(0.2f, 4.0f);
+    hit.u = a + b > 1.0f ? 1.0f - a : a;
+    hit.v = a + b > 1.0f ? 1.0f - b : b;
+    hit.primitive = pack_primitive(kind, index);
+    hit.instance = instance < scene_instances && kind != kind_plane ? instance : none;
+    return hit;
+}
+
+// alpha: 0 for the smooth variants.
+SNELL_FN_COLD MaterialPoint draw_material_point(uint kind, float alpha)
+{
+    MaterialPoint m;
+    m.kind = kind;
+    m.alpha = alpha;
+    m.base_color = color();
+    m.specular = color();
+    m.k = 6.0f * color();
+    m.ior = range(0.5f, 3.0f);
+    if (kind == material_conductor) m.specular = 3.0f * m.specular + vec3(0.05f);
+    return m;
+}
+
+SNELL_FN_COLD RenderParams draw_params()
+{
+    vec3 eye = point(5.0f);
+    vec3 target = point(5.0f);
+    float tangent = range(0.1f, 2.0f);
+    RenderParams p;
+    p.width = 1u + index_below(2000u);
+    p.height = 1u + index_below(2000u);
+    if (abs(target.x - eye.x) < 0.1f) target.x = eye.x + 1.0f; // not above each other
+    p.camera = make_pinhole(eye, target, vec3(0.0f, 1.0f, 0.0f), tangent, float(p.width), float(p.height));
+    p.seed = word();
+    p.sampler_kind = index_below(2u);
+    p.max_depth = index_below(6u);
+    p.flags = index_below(32u);
+    p.distance = magnitude(0.1f, 100.0f);
+    p.max_steps = magnitude(1.0f, 200.0f);
+    return p;
+}
+
+SNELL_FN_COLD PathState draw_state()
+{
+    PathState s;
+    s.throughput = color();
+    s.slot = word();
+    s.pdf = index_below(3u) == 0u ? 0.0f : 1.0f;
+    s.pdf = s.pdf * magnitude(1e-3f, 100.0f);
+    s.eta_scale = magnitude(0.25f, 4.0f);
+    s.depth = index_below(6u);
+    s.medium = index_below(2u * scene_materials);
+    if (s.medium >= scene_materials) s.medium = none;
+    s.key_pixel = word();
+    s.key_index = word();
+    return s;
+}
+
+SNELL_FN void give_surface_point(SurfacePoint s)
+{
+    give(s.position);
+    give(s.geometric_normal);
+    give(s.shading_normal);
+    give(s.uv);
+    give(s.color);
+    give(s.material);
+    give(s.object);
+    give(s.light);
+}
+SNELL_FN void give_material_point(MaterialPoint m)
+{
+    give(m.base_color);
+    give(m.kind);
+    give(m.specular);
+    give(m.alpha);
+    give(m.k);
+    give(m.ior);
+}
+SNELL_FN void give_bsdf_sample(BsdfSample s)
+{
+    give(s.pdf);
+    if (s.pdf == 0.0f) return; // no sample: the rest has no meaning
+    give(s.wi);
+    give(s.weight);
+    give(s.eta);
+    give(s.is_delta);
+}
+SNELL_FN void give_light_sample(LightSample s)
+{
+    give(s.pdf);
+    if (s.pdf == 0.0f) return;
+    give(s.direction);
+    give(s.radiance);
+    give(s.is_delta);
+    give(s.is_infinite);
+    if (s.is_infinite == 0u) give(s.target);
+}
+SNELL_FN void give_connection(Connection c)
+{
+    give(c.ray);
+    give(c.value);
+    give(c.slot);
+    give(c.layer);
+}
+SNELL_FN void give_state(PathState s)
+{
+    give(s.throughput);
+    give(s.slot);
+    give(s.pdf);
+    give(s.eta_scale);
+    give(s.depth);
+    give(s.medium);
+    give(s.key_pixel);
+    give(s.key_index);
+}
+SNELL_FN void give_camera_path(CameraPath p)
+{
+    give(p.ray);
+    give_state(p.state);
+}
+SNELL_FN void give_camera(Camera c)
+{
+    give(c.origin);
+    give(c.width);
+    give(c.right);
+    give(c.height);
+    give(c.up);
+    give(c.forward);
+}
+
+SNELL_END
+#endif

@@ -1,0 +1,18 @@
+// How many elements of each kind random_scene() has, for index_below() in cases.
+#ifndef SNELL_TESTS_GPU_SCENE_SIZES_H
+#define SNELL_TESTS_GPU_SCENE_SIZES_H
+#include "snell/kernel/lang.h"
+SNELL_BEGIN
+
+SNELL_CONST uint scene_vertices = 48u; // in each of the meshes
+SNELL_CONST uint scene_triangles = 60u;
+SNELL_CONST uint scene_surfaces = 6u;
+SNELL_CONST uint scene_spheres = 8u;
+SNELL_CONST uint scene_planes = 4u;
+SNELL_CONST uint scene_instances = 5u;
+SNELL_CONST uint scene_materials = 24u;
+SNELL_CONST uint scene_lights = 20u;
+SNELL_CONST uint scene_textures = 12u;
+
+SNELL_END
+#endif

@@ -1,0 +1,224 @@
+#include "tests/gpu/twin_scene.h"
+
+#include "snell/kernel/ray.h"
+
+#include <cmath>
+#include <random>
+
+namespace snell {
+
+GpuScene::GpuScene(const Gpu& gpu, const SceneWords& scene)
+{
+    for (const auto& words : scene.arrays) {
+        arrays.push_back(gpu.make_buffer(words.size() * sizeof(std::uint32_t)));
+        if (!words.empty()) std::memcpy(arrays.back()->data, words.data(), arrays.back()->bytes);
+    }
+    const SceneView addresses = scene.with_addresses([&](std::size_t i) { return arrays[i]->address; });
+    view = gpu.make_buffer(sizeof(SceneView));
+    std::memcpy(view->data, &addresses, sizeof(SceneView));
+}
+
+namespace {
+class Draw
+{
+  public:
+    float range(float low, float high) { return std::uniform_real_distribution<float>(low, high)(engine); }
+    uint below(uint n) { return std::uniform_int_distribution<uint>(0u, n - 1u)(engine); }
+    bool coin() { return below(2) == 1; }
+    vec3 box(float low, float high)
+    {
+        const float x = range(low, high), y = range(low, high), z = range(low, high);
+        return vec3(x, y, z);
+    }
+    vec3 direction()
+    {
+        for (;;) {
+            const vec3 v = box(-1.0f, 1.0f);
+            if (const float l = length(v); l > 0.1f && l < 1.0f) return v / l;
+        }
+    }
+
+  private:
+    std::mt19937 engine{7};
+};
+
+Instance make_instance(Draw& draw, uint number)
+{
+    const vec3 x = draw.direction();
+    const vec3 y = normalize(cross(x, draw.direction()));
+    const vec3 z = cross(x, y);
+    const float s = draw.range(0.3f, 2.0f), t = number == 0 ? -s : s; // the first one mirrors
+    const vec3 o = draw.box(-2.0f, 2.0f);
+    Instance instance{};
+    instance.to_world = {
+        {s * x.x, t * y.x, s * z.x, o.x}, {s * x.y, t * y.y, s * z.y, o.y}, {s * x.z, t * y.z, s * z.z, o.z}};
+    instance.to_object = {{x / s, -dot(x, o) / s}, {y / t, -dot(y, o) / t}, {z / s, -dot(z, o) / s}};
+    instance.group = number;
+    instance.light_base = number;
+    instance.object = 100u + number;
+    return instance;
+}
+
+Material make_material(Draw& draw, uint number)
+{
+    Material m{};
+    m.kind = number % 5;
+    m.base_color = draw.box(0.0f, 1.0f);
+    m.emission = number % 3 == 0 ? draw.box(0.0f, 8.0f) : vec3(0.0f);
+    m.alpha = draw.coin() ? 0.0f : draw.range(0.02f, 1.0f);
+    m.specular = m.kind == material_conductor ? draw.box(0.1f, 3.0f) : draw.box(0.0f, 0.5f);
+    m.ior = draw.range(0.6f, 2.4f);
+    m.absorption = m.kind == material_conductor ? draw.box(0.5f, 6.0f)
+                   : draw.coin()                ? draw.box(0.0f, 1.5f)
+                                                : vec3(0.0f);
+    m.flags = draw.coin() ? material_two_sided_emission : 0u;
+    m.base_texture = draw.coin() ? draw.below(scene_textures) : none;
+    return m;
+}
+
+Light make_light(Draw& draw, uint number)
+{
+    // as the packing of scenes does: point, directional and spot lights first
+    const uint kinds[] = {light_point, light_directional, light_spot, light_point, light_directional, light_spot};
+    Light light{};
+    light.kind = number < 6 ? kinds[number] : number < 14 ? light_triangle : light_sphere;
+    light.position = draw.box(-2.0f, 2.0f);
+    light.direction = draw.direction();
+    light.emission = draw.box(0.1f, 10.0f);
+    light.two_sided = draw.below(2);
+    light.primitive = none;
+    light.instance = none;
+    if (light.kind == light_spot) {
+        light.cos_outer = draw.range(0.3f, 0.8f);
+        light.cos_inner = draw.range(light.cos_outer + 0.05f, 1.0f);
+    } else if (light.kind == light_triangle) {
+        light.direction *= draw.range(0.1f, 2.0f);
+        light.edge = draw.direction() * draw.range(0.1f, 2.0f);
+        light.cos_outer = 0.5f * length(cross(light.direction, light.edge));
+        light.primitive = pack_primitive(kind_triangle, number);
+    } else if (light.kind == light_sphere) {
+        light.cos_inner = draw.range(0.01f, 0.8f);
+        light.primitive = pack_primitive(kind_sphere, number);
+    }
+    light.select_pdf = draw.range(0.01f, 0.1f);
+    light.alias_threshold = draw.range(0.0f, 1.0f);
+    light.alias = draw.below(scene_lights);
+    return light;
+}
+
+std::uint32_t word_of(float x)
+{
+    return floatBitsToUint(x);
+}
+} // namespace
+
+SceneWords random_scene()
+{
+    Draw draw;
+    SceneWords scene;
+
+    std::vector<vec3> positions, normals, colors;
+    std::vector<vec2> uvs;
+    std::vector<Triangle> triangles;
+    std::vector<Surface> surfaces;
+    const uint per_surface = scene_triangles / scene_surfaces;
+    for (uint k = 0; k < scene_surfaces; ++k) { // each a mesh of its own; which attributes it has are the bits of k
+        Surface s{};
+        s.material = draw.below(scene_materials);
+        s.object = k;
+        s.first_vertex = static_cast<uint>(positions.size());
+        s.normal_base = k & 1u ? static_cast<uint>(normals.size()) : none;
+        s.uv_base = k & 2u ? static_cast<uint>(uvs.size()) : none;
+        s.color_base = k & 4u ? static_cast<uint>(colors.size()) : none;
+        s.first_triangle = static_cast<uint>(triangles.size());
+        s.first_light = k % 3 == 0 ? 6u : none;
+        for (uint v = 0; v < scene_vertices; ++v) {
+            positions.push_back(draw.box(-2.0f, 2.0f));
+            if (k & 1u) normals.push_back(draw.direction());
+            if (k & 2u) uvs.emplace_back(draw.range(-3.0f, 3.0f), draw.range(-3.0f, 3.0f));
+            if (k & 4u) colors.push_back(draw.box(0.0f, 1.0f));
+        }
+        for (uint t = 0; t < per_surface; ++t) {
+            const uint first = s.first_vertex + draw.below(16);
+            triangles.push_back({first, first + 1 + draw.below(15), first + 16 + draw.below(16), k});
+        }
+        surfaces.push_back(s);
+    }
+    scene.set(&SceneView::positions, positions);
+    scene.set(&SceneView::normals, normals);
+    scene.set(&SceneView::uvs, uvs);
+    scene.set(&SceneView::colors, colors);
+    scene.set(&SceneView::triangles, triangles);
+    scene.set(&SceneView::surfaces, surfaces);
+
+    std::vector<Sphere> spheres;
+    for (uint i = 0; i < scene_spheres; ++i)
+        spheres.push_back({draw.box(-1.0f, 1.0f), draw.range(0.05f, 0.8f), draw.below(scene_materials), 200 + i,
+                           i % 2 ? 14u + i % 2 : none, 0});
+    scene.set(&SceneView::spheres, spheres);
+    std::vector<Plane> planes;
+    for (uint i = 0; i < scene_planes; ++i)
+        planes.push_back({draw.direction(), draw.range(-1.0f, 1.0f), draw.below(scene_materials), 300 + i, 0, 0});
+    scene.set(&SceneView::planes, planes);
+    std::vector<Instance> instances;
+    for (uint i = 0; i < scene_instances; ++i) instances.push_back(make_instance(draw, i));
+    scene.set(&SceneView::instances, instances);
+    std::vector<Material> materials;
+    for (uint i = 0; i < scene_materials; ++i) materials.push_back(make_material(draw, i));
+    scene.set(&SceneView::materials, materials);
+    std::vector<Light> lights;
+    for (uint i = 0; i < scene_lights; ++i) lights.push_back(make_light(draw, i));
+    scene.set(&SceneView::lights, lights);
+
+    std::vector<Texture> textures;
+    std::vector<std::uint32_t> texels;
+    const uint sizes[][2] = {{1, 1}, {3, 5}, {8, 4}, {17, 16}};
+    for (uint i = 0; i < scene_textures; ++i) {
+        Texture texture{};
+        texture.offset = static_cast<uint>(texels.size());
+        texture.width = sizes[i % 4][0];
+        texture.height = sizes[i % 4][1];
+        texture.format = i % 3;
+        texture.wrap = i / 4;
+        const uint channels = texture.format == texels_rgba32f ? 4 : 1;
+        for (uint t = 0; t < channels * texture.width * texture.height; ++t)
+            texels.push_back(channels == 4 ? word_of(draw.range(0.0f, 2.0f)) : draw.below(~0u));
+        textures.push_back(texture);
+    }
+    scene.set(&SceneView::textures, textures);
+    scene.set(&SceneView::texels, texels);
+    std::vector<float> srgb;
+    for (int i = 0; i < 256; ++i) {
+        const double c = i / 255.0;
+        srgb.push_back(static_cast<float>(c <= 0.04045 ? c / 12.92 : std::pow((c + 0.055) / 1.055, 2.4)));
+    }
+    scene.set(&SceneView::srgb, srgb);
+
+    scene.tail.light_count = scene_lights;
+    scene.tail.delta_light_count = 6;
+    scene.tail.plane_count = scene_planes;
+    scene.tail.environment = vec3(0.25f, 0.5f, 0.75f);
+    scene.tail.scene_radius = 4.0f;
+    scene.tail.scene_center = vec3(0.1f, -0.2f, 0.3f);
+    return scene;
+}
+
+std::uint32_t pattern_word(std::size_t i)
+{
+    return word_of(static_cast<float>(i % (1u << 22) + 1));
+}
+
+SceneWords pattern_scene()
+{
+    SceneWords scene;
+    constexpr std::size_t words = 4096;
+    std::size_t next = 0;
+    for (auto& array : scene.arrays)
+        for (std::size_t i = 0; i < words; ++i) array.push_back(pattern_word(next++));
+    std::uint32_t tail[sizeof(SceneView) / sizeof(std::uint32_t)];
+    for (std::uint32_t& word : tail) word = pattern_word(next++);
+    std::memcpy(&scene.tail, tail, sizeof(tail)); // the addresses in it are replaced by with_addresses()
+    return scene;
+}
+
+} // namespace snell

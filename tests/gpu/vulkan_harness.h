@@ -1,0 +1,87 @@
+// The least of Vulkan that runs compute shaders on buffers: one device, one queue, buffers by address.
+#pragma once
+
+#include <vulkan/vulkan.h>
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace snell {
+
+// Memory that both the host (at data) and shaders (at address) see.
+class GpuBuffer
+{
+  public:
+    GpuBuffer(VkDevice device, const VkPhysicalDeviceMemoryProperties& types, std::size_t bytes);
+    ~GpuBuffer();
+    GpuBuffer(const GpuBuffer&) = delete;
+    GpuBuffer& operator=(const GpuBuffer&) = delete;
+
+    void* data = nullptr;
+    VkDeviceAddress address = 0;
+    const std::size_t bytes;
+
+  private:
+    VkDevice device;
+    VkBuffer buffer = VK_NULL_HANDLE;
+    VkDeviceMemory memory = VK_NULL_HANDLE;
+};
+
+// A compute shader with entry point main and push constants, no descriptors.
+class GpuKernel
+{
+  public:
+    GpuKernel(VkDevice device, const std::vector<std::uint32_t>& spirv, std::size_t push_bytes);
+    ~GpuKernel();
+    GpuKernel(const GpuKernel&) = delete;
+    GpuKernel& operator=(const GpuKernel&) = delete;
+
+    VkPipeline pipeline = VK_NULL_HANDLE;
+    VkPipelineLayout layout = VK_NULL_HANDLE;
+    const std::size_t push_bytes;
+
+  private:
+    VkDevice device;
+    VkShaderModule module = VK_NULL_HANDLE;
+};
+
+class Gpu
+{
+  public:
+    // Opens the first device whose name contains name_part, with the Khronos validation layer on. Throws Error with the
+    // names of all devices if there is none, and if the layer is not installed.
+    explicit Gpu(const std::string& name_part);
+    ~Gpu();
+    Gpu(const Gpu&) = delete;
+    Gpu& operator=(const Gpu&) = delete;
+
+    std::string name() const { return device_name; }
+    // What the validation layer has said so far, warnings and errors; empty if all is well.
+    const std::vector<std::string>& messages() const { return validation_messages; }
+
+    std::unique_ptr<GpuBuffer> make_buffer(std::size_t bytes) const;
+    // The file holds SPIR-V. Throws Error if it cannot be read.
+    std::unique_ptr<GpuKernel> load_kernel(const std::string& path, std::size_t push_bytes) const;
+    // Runs the kernel on that many work groups and waits until the host sees what it wrote. push points to push_bytes.
+    void run(const GpuKernel& kernel, const void* push, std::uint32_t groups) const;
+
+  private:
+    void create_instance();
+    void choose_device(const std::string& name_part);
+    void create_device();
+
+    VkInstance instance = VK_NULL_HANDLE;
+    VkDebugUtilsMessengerEXT messenger = VK_NULL_HANDLE;
+    VkPhysicalDevice physical = VK_NULL_HANDLE;
+    VkPhysicalDeviceMemoryProperties memory_types{};
+    VkDevice device = VK_NULL_HANDLE;
+    VkQueue queue = VK_NULL_HANDLE;
+    VkCommandPool pool = VK_NULL_HANDLE;
+    std::string device_name;
+    std::vector<std::string> validation_messages;
+};
+
+} // namespace snell
