@@ -43,7 +43,7 @@ inline Place place_in(const std::string& file, std::string_view text, const char
 }
 
 // What to print of a word of unknown length and content.
-inline std::string quoted(std::string_view word)
+inline std::string show_word(std::string_view word)
 {
     std::string shown = "'";
     for (const char c : word.substr(0, 40)) shown += c >= ' ' && c <= '~' ? c : '?';
@@ -140,7 +140,7 @@ class TextCursor
             throw Error(place_in(file_, text_, start), fmt::format("the file ends where {} should be", what),
                         "it is truncated: get or write it again");
         throw Error(place_in(file_, text_, start),
-                    fmt::format("{} should be here, but there is {}", what, quoted(found)),
+                    fmt::format("{} should be here, but there is {}", what, show_word(found)),
                     "mend the file or write it again");
     }
 

@@ -82,7 +82,7 @@ Type read_type(const Lines& lines, std::string_view word)
 {
     const std::optional<Type> type = find_type(word);
     if (!type)
-        lines.fail(fmt::format("{} is not a type", quoted(word)),
+        lines.fail(fmt::format("{} is not a type", show_word(word)),
                    "use char, uchar, short, ushort, int, uint, float or double");
     return *type;
 }
@@ -94,8 +94,8 @@ Element read_element(const Lines& lines, const Header& header, std::string_view 
     const std::string_view count = take_word(line);
     const auto result = std::from_chars(count.data(), count.data() + count.size(), element.count);
     if (element.name.empty() || count.empty() || result.ec != std::errc() || result.ptr != count.data() + count.size())
-        lines.fail(fmt::format("an element's line is 'element NAME COUNT', but the count is {}", quoted(count)));
-    if (header.find(element.name)) lines.fail(fmt::format("a second element {}", quoted(element.name)));
+        lines.fail(fmt::format("an element's line is 'element NAME COUNT', but the count is {}", show_word(count)));
+    if (header.find(element.name)) lines.fail(fmt::format("a second element {}", show_word(element.name)));
     return element;
 }
 
@@ -188,9 +188,9 @@ Header read_header(const std::string& file, std::string_view bytes)
             else if (format == "binary_big_endian")
                 header.format = Format::big_endian;
             else
-                lines.fail(fmt::format("unknown format {}", quoted(format)));
+                lines.fail(fmt::format("unknown format {}", show_word(format)));
             if (version != "1.0")
-                lines.fail(fmt::format("unknown version {}", quoted(version)), "write it as version 1.0");
+                lines.fail(fmt::format("unknown version {}", show_word(version)), "write it as version 1.0");
             has_format = true;
         } else if (keyword == "element") {
             if (header.elements.size() == most_names) lines.fail("more than 1000 elements");
@@ -202,9 +202,9 @@ Header read_header(const std::string& file, std::string_view bytes)
             element.properties.push_back(read_property(lines, line));
             for (std::size_t i = 0; i + 1 < element.properties.size(); ++i)
                 if (element.properties[i].name == element.properties.back().name)
-                    lines.fail(fmt::format("a second property {}", quoted(element.properties.back().name)));
+                    lines.fail(fmt::format("a second property {}", show_word(element.properties.back().name)));
         } else {
-            lines.fail(fmt::format("unknown keyword {}", quoted(keyword)));
+            lines.fail(fmt::format("unknown keyword {}", show_word(keyword)));
         }
     }
     if (!has_format) lines.fail("the header has no 'format' line");
@@ -217,7 +217,7 @@ Header read_header(const std::string& file, std::string_view bytes)
             throw Error(
                 {file},
                 fmt::format("the header announces {} rows of {}, at least {} bytes each, but only {} bytes are left",
-                            element.count, quoted(element.name), row, left),
+                            element.count, show_word(element.name), row, left),
                 "the file is truncated or its header wrong: get or write it again");
         left -= row * element.count;
     }

@@ -103,7 +103,14 @@ class Body
     bool leftover = false;        // there is more in the file
 
   private:
-    void say_unused(const std::string& name) { unused += (unused.empty() ? "" : ", ") + name; }
+    void say_unused(const std::string& name)
+    {
+        constexpr std::size_t long_enough = 300;
+        if (unused.size() < long_enough)
+            unused += (unused.empty() ? "" : ", ") + name.substr(0, 40);
+        else if (!unused.ends_with("..."))
+            unused += ", ...";
+    }
 
     void skip(const Property& property)
     {

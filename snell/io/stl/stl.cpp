@@ -85,7 +85,7 @@ Facets read_ascii(const std::string& file, std::string_view text)
         if (!same_word(word, keyword))
             throw Error(in.place(word),
                         word.empty() ? fmt::format("the file ends where '{}' should be", keyword)
-                                     : fmt::format("'{}' should be here, but there is {}", keyword, quoted(word)),
+                                     : fmt::format("'{}' should be here, but there is {}", keyword, show_word(word)),
                         "mend the file or write it again");
     };
     const auto read_vec3 = [&](std::string_view what) {
@@ -118,7 +118,7 @@ Facets read_ascii(const std::string& file, std::string_view text)
         } else {
             throw Error(in.place(word),
                         fmt::format("'{}' should be here, but there is {}", is_open ? "facet' or 'endsolid" : "solid",
-                                    quoted(word)),
+                                    show_word(word)),
                         "mend the file or write it again");
         }
     }
