@@ -13,5 +13,6 @@ int run_render(const Arguments& arguments);
 int run_info(const Arguments& arguments);
 int run_list(const Arguments& arguments);
 int run_compare(const Arguments& arguments);
+int run_bench(const Arguments& arguments);
 
 } // namespace snell::app

@@ -27,6 +27,7 @@ static const std::array commands = {
     Command{"info", "Say what is in a scene and how much memory it takes", run_info},
     Command{"list", "List integrators, structures, samplers, built-in scenes and file formats", run_list},
     Command{"compare", "Measure how much two pictures differ", run_compare},
+    Command{"bench", "Measure the renderer's speed beside Embree", run_bench},
 };
 
 static void print_help()

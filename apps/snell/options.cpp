@@ -55,6 +55,19 @@ void Options::positional(const std::string& name, std::string help, Value set, b
     option->type_name("")->required(required);
 }
 
+static std::function<void(const std::vector<std::string>&)> for_each(Options::Value set)
+{
+    return [set = std::move(set)](const std::vector<std::string>& all) {
+        for (const std::string& one : all) set(one);
+    };
+}
+
+void Options::positionals(const std::string& name, std::string help, Value set)
+{
+    parser_->app.add_option_function<std::vector<std::string>>(name, for_each(std::move(set)), std::move(help))
+        ->type_name("");
+}
+
 void Options::flag(const std::string& names, std::string help, Flag set)
 {
     remember(parser_->known, names);
@@ -79,10 +92,7 @@ void Options::values(const std::string& names, const std::string& placeholder, s
 {
     remember(parser_->known, names);
     remember(parser_->valued, names);
-    auto each = [set = std::move(set)](const std::vector<std::string>& all) {
-        for (const std::string& one : all) set(one);
-    };
-    parser_->app.add_option_function<std::vector<std::string>>(names, std::move(each), std::move(help))
+    parser_->app.add_option_function<std::vector<std::string>>(names, for_each(std::move(set)), std::move(help))
         ->type_name(placeholder)
         ->allow_extra_args(false) // or it would swallow the positional arguments after its value
         ->group(parser_->group);

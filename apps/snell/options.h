@@ -29,6 +29,8 @@ class Options
     void group(std::string title);
 
     void positional(const std::string& name, std::string help, Value set, bool required = true);
+    // Any number of them, none included: one call for each.
+    void positionals(const std::string& name, std::string help, Value set);
     void flag(const std::string& names, std::string help, Flag set);
     void value(const std::string& names, const std::string& placeholder, std::string help, Value set);
     // As value, but every occurrence counts: one call for each.

@@ -83,7 +83,7 @@ int run_render(const Arguments& arguments)
     const RenderReport report = {job, result, prepared->packed.triangles.size(),
                                  mean_spp(result.film, region_of(settings))};
 
-    const bool whole = report.spp_done >= static_cast<double>(settings.spp);
+    const bool whole = !result.stats.cancelled;
     const int interrupted = whole ? 0 : interrupt.exit_code();
     if (interrupted && report.spp_done == 0.0) {
         console().info("interrupted before the first sample; no picture was written");

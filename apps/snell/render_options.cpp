@@ -5,6 +5,7 @@
 #include "usage.h"
 
 #include "snell/core/error.h"
+#include "snell/render/params.h"
 
 #include <fmt/format.h>
 
@@ -219,6 +220,11 @@ std::optional<int> parse_render(const Arguments& arguments, RenderJob& job)
     if (!settings.accel.empty()) check_name("acceleration structure", settings.accel, accel_names());
     for (const auto& [key, value] : settings.parameters)
         check_name("parameter of integrator " + settings.integrator, key, parameter_names(settings.integrator));
+    try { // their values, on a stand-in for the camera
+        make_render_params(settings, *find_integrator(settings.integrator), CameraDesc{}, 1.0f);
+    } catch (const Error& error) {
+        throw UsageError(error.what());
+    }
 
     if (job.outputs.empty()) job.outputs.emplace_back(std::filesystem::path(job.scene).stem().string() + ".png");
     bool with_exr = false;

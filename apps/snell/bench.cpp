@@ -1,0 +1,207 @@
+// snell bench: samples a second of the whole renderer, beside a plain path tracer over Embree in the same run.
+#include "commands.h"
+#include "console.h"
+#include "options.h"
+#include "usage.h"
+
+#include "snell/core/error.h"
+#include "snell/core/parallel.h"
+#include "snell/core/timer.h"
+#include "snell/io/load.h"
+#include "snell/lab/metrics.h"
+#include "snell/render/params.h"
+#include "snell/render/render.h"
+
+#ifdef SNELL_HAS_EMBREE
+#include "bench/embree_path.h"
+#endif
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include <sys/resource.h>
+
+#include <algorithm>
+#include <fstream>
+#include <functional>
+
+namespace snell::app {
+
+namespace {
+struct BenchJob
+{
+    std::vector<std::string> scenes;
+    std::string json_file;
+    RenderSettings settings;
+    int runs = 5;
+};
+
+// One renderer in the comparison.
+struct Contender
+{
+    std::string name;
+    double build_seconds = 0;
+    std::function<std::uint64_t(Film&)> render; // returns the number of rays
+    std::vector<double> rates;                  // samples a second of CPU time, one a run
+    std::vector<double> wall_rates;
+    std::uint64_t rays = 0;
+    Picture picture;
+};
+} // namespace
+
+// CPU time of the process, all threads.
+static double cpu_seconds()
+{
+    rusage usage{};
+    getrusage(RUSAGE_SELF, &usage);
+    const auto seconds = [](const timeval& t) {
+        return static_cast<double>(t.tv_sec) + 1e-6 * static_cast<double>(t.tv_usec);
+    };
+    return seconds(usage.ru_utime) + seconds(usage.ru_stime);
+}
+
+static double median(std::vector<double> values)
+{
+    std::sort(values.begin(), values.end());
+    return values[values.size() / 2];
+}
+
+static std::vector<Contender> contenders(const Prepared& prepared, const RenderSettings& settings,
+                                         const RenderParams& params)
+{
+    std::vector<Contender> list;
+    list.push_back({fmt::format("snell ({})", settings.accel.empty() ? accels().front().name : settings.accel),
+                    prepared.build_seconds,
+                    [&](Film& film) {
+                        RenderResult result = render(prepared, settings);
+                        film = std::move(result.film);
+                        return result.stats.rays();
+                    },
+                    {},
+                    {},
+                    0,
+                    {}});
+#ifdef SNELL_HAS_EMBREE
+    for (const auto& [name, quality] : {std::pair{"Embree, default", bench::EmbreeQuality::standard},
+                                        std::pair{"Embree, HIGH", bench::EmbreeQuality::high}}) {
+        auto tracer = std::make_shared<bench::EmbreePathTracer>(prepared.packed, quality);
+        list.push_back({name,
+                        tracer->build_seconds(),
+                        [tracer, &params, spp = settings.spp](Film& film) { return tracer->render(params, spp, film); },
+                        {},
+                        {},
+                        0,
+                        {}});
+    }
+#else
+    (void)params;
+#endif
+    return list;
+}
+
+static nlohmann::json bench_scene(const std::string& name, const BenchJob& job)
+{
+    Scene scene = open_scene(name);
+    complete(scene, static_cast<float>(job.settings.width) / static_cast<float>(job.settings.height));
+    const std::unique_ptr<Prepared> prepared = prepare(scene, job.settings);
+    const RenderParams params =
+        make_render_params(job.settings, *find_integrator("path"), prepared->camera, prepared->packed.radius);
+    std::vector<Contender> list = contenders(*prepared, job.settings, params);
+
+    const double samples = static_cast<double>(job.settings.width) * job.settings.height * job.settings.spp;
+    for (int run = -1; run < job.runs; ++run) { // the first one warms up
+        for (Contender& one : list) {
+            Film film(job.settings.width, job.settings.height, false);
+            const Timer timer;
+            const double cpu = cpu_seconds();
+            one.rays = one.render(film);
+            if (run < 0) {
+                one.picture = film.picture();
+                continue;
+            }
+            one.rates.push_back(samples / (cpu_seconds() - cpu));
+            one.wall_rates.push_back(samples / timer.seconds());
+        }
+    }
+
+    fmt::print("{}: {} triangles, {}x{}, {} spp, path, max_depth {}, {} threads, median of {} interleaved runs\n", name,
+               prepared->packed.triangles.size(), job.settings.width, job.settings.height, job.settings.spp,
+               params.max_depth, thread_count(), job.runs);
+    fmt::print("  {:18} {:>14} {:>15} {:>14} {:>9} {:>9}  {}\n", "", "Msamples/s", "per core-second", "(spread)",
+               "Mrays/s", "build ms", "picture against the first (relMSE)");
+    nlohmann::json rows = nlohmann::json::array();
+    double best_embree = 0;
+    for (const Contender& one : list) {
+        const double rate = median(one.rates), wall = median(one.wall_rates);
+        const auto [low, high] = std::minmax_element(one.rates.begin(), one.rates.end());
+        const double difference = compare_pictures(one.picture, list[0].picture).relmse;
+        fmt::print("  {:18} {:14.3f} {:15.3f} {:>14} {:9.2f} {:9.1f}  {:.2g}\n", one.name, wall * 1e-6, rate * 1e-6,
+                   fmt::format("{:.2f}-{:.2f}", *low * 1e-6, *high * 1e-6),
+                   wall * static_cast<double>(one.rays) / samples * 1e-6, one.build_seconds * 1e3, difference);
+        rows.push_back({{"name", one.name},
+                        {"samples_per_second", wall},
+                        {"samples_per_core_second", rate},
+                        {"rays_per_second", wall * static_cast<double>(one.rays) / samples},
+                        {"build_seconds", one.build_seconds},
+                        {"relmse_to_first", difference}});
+        if (&one != &list[0]) best_embree = std::max(best_embree, rate);
+    }
+    nlohmann::json result = {{"scene", name}, {"rows", rows}};
+    if (best_embree > 0) {
+        const double ratio = median(list[0].rates) / best_embree;
+        fmt::print("  ratio to the better Embree: {:.2f}\n", ratio);
+        result["ratio"] = ratio;
+    } else {
+        fmt::print("  (built without Embree: nothing to compare with; install libembree-dev and build again)\n");
+    }
+    return result;
+}
+
+int run_bench(const Arguments& arguments)
+{
+    BenchJob job;
+    job.settings.width = job.settings.height = 512;
+    job.settings.spp = 16;
+    job.settings.parameters["max_depth"] = "8";
+    const auto whole_number = [](const char* option, const std::string& text, int low, int high) {
+        return static_cast<int>(parse_integer(option, text, low, high));
+    };
+    Options options("snell bench",
+                    "Measures the path tracer's samples a second beside a plain one over Embree with the same kernels, "
+                    "interleaved in one run",
+                    "Examples:\n"
+                    "  snell bench cornell --size 256 --max-depth 0\n"
+                    "  snell bench sponza.obj dragon.ply --json bench.json\n");
+    options.positionals("SCENE", "Built-in scene or file; several are measured one after the other (default: cornell)",
+                        [&](const std::string& text) { job.scenes.push_back(text); });
+    options.value("--size", "N", "Pixels a side (512)", [&](const std::string& text) {
+        job.settings.width = job.settings.height = whole_number("--size", text, 1, 16384);
+    });
+    options.value("--spp", "N", "Samples a pixel (16)", [&](const std::string& text) {
+        job.settings.spp = static_cast<uint>(whole_number("--spp", text, 1, 1 << 20));
+    });
+    options.value("--max-depth", "N", "Bounces; 0: no limit (8)", [&](const std::string& text) {
+        job.settings.parameters["max_depth"] = std::to_string(whole_number("--max-depth", text, 0, 1000));
+    });
+    options.value("--runs", "N", "Runs of each (5)",
+                  [&](const std::string& text) { job.runs = whole_number("--runs", text, 1, 1000); });
+    options.value("--accel", "NAME", "Acceleration structure of ours",
+                  [&](const std::string& text) { job.settings.accel = text; });
+    options.value("-t,--threads", "N", "Threads; 0: all",
+                  [&](const std::string& text) { job.settings.threads = whole_number("--threads", text, 0, 4096); });
+    options.value("--json", "FILE", "Write the figures there as well",
+                  [&](const std::string& text) { job.json_file = text; });
+    if (const std::optional<int> code = options.parse(arguments)) return *code;
+    if (job.scenes.empty()) job.scenes.push_back("cornell");
+
+    nlohmann::json results = nlohmann::json::array();
+    for (const std::string& scene : job.scenes) results.push_back(bench_scene(scene, job));
+    if (!job.json_file.empty()) {
+        std::ofstream file(job.json_file);
+        file << results.dump(2) << '\n';
+        if (!file) throw Error({job.json_file, 0, 0}, "cannot be written", "choose another file for --json");
+    }
+    return 0;
+}
+
+} // namespace snell::app
