@@ -59,7 +59,7 @@ static CameraDesc frame(const Bounds& bounds, const View& view, float aspect)
     const vec2 eye = 0.5f * (right_most - left_most);
     const float size = std::max(length(bounds.extent()), 1e-6f * std::max(1.0f, length(center)));
     // A flat scene seen face on needs the distance; a point or a line would let the eye touch it.
-    const float depth = std::min({depths.x, depths.y, nearest - 0.1f * size});
+    const float depth = std::min({depths.x, depths.y, nearest - 0.01f * size});
 
     CameraDesc camera;
     camera.name = "framing";
