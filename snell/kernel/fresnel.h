@@ -35,7 +35,7 @@ SNELL_FN DielectricSplit split_dielectric(float cos_i, float ior)
 }
 
 // Reflectance of a conductor with complex index eta + i k against vacuum, for unpolarised light (Born & Wolf 14.2), one
-// value a colour channel. cos_i in [0, 1].
+// value a colour channel. cos_i in [0, 1]; eta, k >= 0.
 SNELL_FN vec3 fresnel_conductor(float cos_i, vec3 eta, vec3 k)
 {
     float c2 = cos_i * cos_i;
@@ -45,12 +45,13 @@ SNELL_FN vec3 fresnel_conductor(float cos_i, vec3 eta, vec3 k)
     vec3 t0 = eta2 - k2 - s2;
     vec3 a2_plus_b2 = sqrt(max(t0 * t0 + 4.0f * eta2 * k2, vec3(0.0f)));
     vec3 a = sqrt(max(0.5f * (a2_plus_b2 + t0), vec3(0.0f)));
+    vec3 tiny = vec3(1e-30f); // where there is no interface (eta 1, k 0) the ratios are 0 / 0 at grazing incidence
     vec3 t1 = a2_plus_b2 + c2;
     vec3 t2 = 2.0f * cos_i * a;
-    vec3 r_s = (t1 - t2) / (t1 + t2);
+    vec3 r_s = (t1 - t2) / max(t1 + t2, tiny);
     vec3 t3 = c2 * a2_plus_b2 + s2 * s2;
     vec3 t4 = t2 * s2;
-    vec3 r_p = r_s * (t3 - t4) / (t3 + t4);
+    vec3 r_p = r_s * (t3 - t4) / max(t3 + t4, tiny);
     return clamp(0.5f * (r_s + r_p), 0.0f, 1.0f);
 }
 
