@@ -31,11 +31,13 @@ SNELL_FN Intersection no_intersection(float t_max)
     return miss_all;
 }
 
-// False for rays that hit nothing by definition: a NaN, an infinite or zero direction or origin, an empty interval.
+// False for rays that hit nothing by definition: a NaN, an infinite origin, a direction of zero or beyond what float
+// arithmetic can divide by (largest component outside 2^-100 to 2^100), an empty interval.
 SNELL_FN bool is_traceable(Ray ray)
 {
-    bool some_way = ray.direction.x != 0.0f || ray.direction.y != 0.0f || ray.direction.z != 0.0f;
-    return is_finite3(ray.origin) && is_finite3(ray.direction) && some_way && ray.t_min < ray.t_max;
+    float longest = max3(abs(ray.direction));
+    bool usable = is_finite3(ray.direction) && longest >= 7.8886090522101181e-31f && longest <= 1.2676506002282294e30f;
+    return is_finite3(ray.origin) && usable && ray.t_min < ray.t_max;
 }
 
 // A ray made ready for the watertight test: the axis kz along which its direction is longest, the other two, and the
@@ -59,16 +61,39 @@ SNELL_FN ShearedRay shear_ray(Ray ray)
     return s;
 }
 
+// The rounding error of the product p = a * b: p + product_error(a, b, p) is exact unless it underflows (Dekker 1971, A
+// floating-point technique for extending the available precision).
+SNELL_FN float product_error(float a, float b, float p)
+{
+    SNELL_PRECISE float ca = 4097.0f * a;
+    SNELL_PRECISE float cb = 4097.0f * b;
+    SNELL_PRECISE float a1 = ca - (ca - a);
+    SNELL_PRECISE float b1 = cb - (cb - b);
+    SNELL_PRECISE float a2 = a - a1;
+    SNELL_PRECISE float b2 = b - b1;
+    SNELL_PRECISE float e = ((a1 * b1 - p) + a1 * b2 + a2 * b1) + a2 * b2;
+    return e;
+}
+
+// a * b - c * d with the right sign. Rounding is monotone: if a * b > c * d, then round(a * b) >= round(c * d), and a
+// difference of two floats is never rounded across zero or to zero. So the plain expression has the exact sign or is 0,
+// and only a 0 needs a closer look.
+SNELL_FN float edge_function(float a, float b, float c, float d)
+{
+    SNELL_PRECISE float p = a * b;
+    SNELL_PRECISE float q = c * d;
+    SNELL_PRECISE float w = p - q;
+    if (w == 0.0f) w = product_error(a, b, p) - product_error(c, d, q);
+    return w;
+}
+
 // Ray against triangle, from both sides (Woop, Benthin, Wald 2013, Watertight Ray/Triangle Intersection, JCGT 2).
 //
-// Why it is watertight without the paper's second pass in double precision: the sheared position of a vertex depends on
-// the vertex and the ray alone, so triangles that share vertices share them after the shear, bit for bit, and still
-// tile the plane. An edge function is the difference of two products. Rounding is monotone: if the exact products
-// satisfy a*b > c*d, then round(a*b) >= round(c*d), and the difference of two floats is never rounded across zero. So a
-// computed edge function has its exact sign or is 0, never the opposite sign; edges are inclusive, so a 0 never turns a
-// hit into a miss, and the two triangles at an edge see the same number with opposite signs. Only a triangle whose
-// three functions are all 0 (edge-on, or without area) is left out; its neighbours have a 0 at the edge that they share
-// with it, so they still close the gap. (No fused multiply-add: it would round the two products differently.)
+// Why it is watertight: the sheared position of a vertex depends on the vertex and the ray alone, so triangles that
+// share vertices share them after the shear, bit for bit, and still tile the plane. Whether the ray is inside is then
+// decided by edge functions with exact signs, in float alone (the paper repeats them in double where one is 0). Edges
+// belong to both triangles. (No fused multiply-add: it would round the two products of an edge differently.)
+//   s  shear_ray(ray)
 SNELL_FN Intersection intersect_triangle_watertight(Ray ray, ShearedRay s, vec3 v0, vec3 v1, vec3 v2)
 {
     vec3 a = v0 - ray.origin;
@@ -84,9 +109,9 @@ SNELL_FN Intersection intersect_triangle_watertight(Ray ray, ShearedRay s, vec3 
     float cx = c[s.kx] - s.sx * cz;
     float cy = c[s.ky] - s.sy * cz;
 
-    float w0 = cx * by - cy * bx;
-    float w1 = ax * cy - ay * cx;
-    float w2 = bx * ay - by * ax;
+    float w0 = edge_function(cx, by, cy, bx);
+    float w1 = edge_function(ax, cy, ay, cx);
+    float w2 = edge_function(bx, ay, by, ax);
     Intersection r = no_intersection(ray.t_max);
     if ((w0 < 0.0f || w1 < 0.0f || w2 < 0.0f) && (w0 > 0.0f || w1 > 0.0f || w2 > 0.0f)) return r;
     float det = (w0 + w1) + w2;

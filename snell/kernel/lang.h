@@ -20,6 +20,8 @@
 #define SNELL_IN(T) const T&
 #define SNELL_INOUT(T) T&
 #define SNELL_CONST inline constexpr
+// A variable whose computation must be done to the letter: no fusing, no reordering.
+#define SNELL_PRECISE
 // An array in memory, read as `name.at[i]`; 8 bytes on both sides.
 #define SNELL_ARRAY(Name, T)                                                                                           \
     struct Name                                                                                                        \
@@ -41,6 +43,7 @@
 #define SNELL_IN(T) in T
 #define SNELL_INOUT(T) inout T
 #define SNELL_CONST const
+#define SNELL_PRECISE precise
 #define SNELL_ARRAY(Name, T)                                                                                           \
     layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer Name                                  \
     {                                                                                                                  \

@@ -1,0 +1,268 @@
+// Every structure, on every instruction set, finds bit for bit the hits of brute force.
+#include "snell/bvh/simd/traverse.h"
+#include "tests/bvh/scenes.h"
+
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+#include <hwy/targets.h>
+
+#include <cstring>
+
+namespace snell::test {
+namespace {
+
+std::string describe(const Ray& r, const Hit& h)
+{
+    return fmt::format("ray ({}, {}, {}) -> ({}, {}, {}) in ({}, {}): t {} u {} v {} primitive {:x} instance {:x}",
+                       r.origin.x, r.origin.y, r.origin.z, r.direction.x, r.direction.y, r.direction.z, r.t_min,
+                       r.t_max, h.t, h.u, h.v, h.primitive, h.instance);
+}
+
+bool same(const Hit& a, const Hit& b)
+{
+    return std::memcmp(&a, &b, sizeof(Hit)) == 0;
+}
+
+// Calls body for each instruction set of this build that this processor has.
+template <class Body>
+void for_each_target(const Body& body)
+{
+    for (const std::int64_t target : traversal_targets()) {
+        hwy::SetSupportedTargetsForTest(target);
+        SCOPED_TRACE(hwy::TargetName(target));
+        body();
+    }
+    hwy::SetSupportedTargetsForTest(0);
+}
+
+void expect_agreement(const PackedScene& scene, const std::vector<Ray>& rays, std::size_t least_hits,
+                      TriangleTest test = TriangleTest::watertight)
+{
+    const AccelOptions options = {test};
+    const auto brute = find_accel("brute")->make(scene, options);
+    std::vector<Hit> expected(rays.size());
+    brute->intersect(rays, expected);
+    std::vector<std::uint8_t> expected_blocked(rays.size());
+    brute->occluded(rays, expected_blocked);
+    std::size_t hits_found = 0;
+    for (std::size_t i = 0; i < rays.size(); ++i) {
+        hits_found += is_hit(expected[i]);
+        ASSERT_EQ(expected_blocked[i], is_hit(expected[i]) ? 1 : 0);
+    }
+    EXPECT_GE(hits_found, least_hits) << "the test looks past the scene";
+
+    for (const AccelInfo& info : accels()) {
+        if (info.name == "brute") continue;
+        SCOPED_TRACE(info.name);
+        const auto accel = info.make(scene, options);
+        for_each_target([&] {
+            std::vector<Hit> hits(rays.size()), counted(rays.size());
+            std::vector<std::uint8_t> blocked(rays.size(), 77);
+            std::vector<uint> steps(rays.size());
+            accel->intersect(rays, hits);
+            accel->occluded(rays, blocked);
+            accel->intersect_counted(rays, counted, steps);
+            int wrong = 0;
+            for (std::size_t i = 0; i < rays.size() && wrong < 3; ++i) {
+                if (same(hits[i], expected[i]) && same(counted[i], expected[i]) && blocked[i] == expected_blocked[i])
+                    continue;
+                ++wrong;
+                ADD_FAILURE() << "expected " << describe(rays[i], expected[i]) << "\n     got "
+                              << describe(rays[i], hits[i]) << "\n counted " << describe(rays[i], counted[i])
+                              << "\n blocked " << int(blocked[i]);
+            }
+        });
+    }
+}
+
+// Random and hostile rays, both triangle tests.
+void expect_agreement(const PackedScene& scene, std::size_t least_hits, uint seed = 1, int count = 2000)
+{
+    Random random(seed);
+    std::vector<Ray> rays = random_rays(random, count);
+    const std::vector<Ray> hostile = hostile_rays(scene, random);
+    rays.insert(rays.end(), hostile.begin(), hostile.end());
+    expect_agreement(scene, rays, least_hits);
+    SCOPED_TRACE("Moeller-Trumbore");
+    expect_agreement(scene, rays, least_hits, TriangleTest::moller_trumbore);
+}
+
+TEST(BvhAgrees, TriangleSoups)
+{
+    for (const int count : {1, 2, 3, 4, 5, 8, 9, 40, 1000})
+        for (const float size : {0.02f, 0.2f, 2.0f}) {
+            SCOPED_TRACE(fmt::format("{} triangles of size {}", count, size));
+            Random random(static_cast<uint>(count));
+            PackedScene scene;
+            add_soup(scene, random, count, size);
+            end_world(scene);
+            expect_agreement(scene, static_cast<float>(count) * size >= 40.0f ? 500 : 0, 7, 700);
+        }
+}
+
+TEST(BvhAgrees, GridsWithExactEdges)
+{
+    PackedScene scene;
+    for (const float height : {-1.0f, -0.5f, 0.0f, 0.0f, 1.0f}) add_grid(scene, 8, height);
+    end_world(scene);
+    expect_agreement(scene, 1000);
+
+    // Straight down onto vertices and edges, where several triangles are hit at once.
+    std::vector<Ray> rays;
+    for (int i = -16; i <= 16; ++i)
+        for (int j = -16; j <= 16; ++j)
+            rays.push_back(make_ray(vec3(static_cast<float>(i) / 16.0f, static_cast<float>(j) / 16.0f, 2.0f),
+                                    vec3(0.0f, 0.0f, -1.0f), infinity()));
+    expect_agreement(scene, rays, rays.size());
+}
+
+TEST(BvhAgrees, SphereClouds)
+{
+    for (const int count : {1, 2, 4, 5, 500}) {
+        Random random(static_cast<uint>(count));
+        PackedScene scene;
+        add_cloud(scene, random, count, 0.3f);
+        end_world(scene);
+        expect_agreement(scene, count == 500 ? 1500 : 1);
+    }
+}
+
+TEST(BvhAgrees, EverythingTogether)
+{
+    Random random(3);
+    PackedScene scene;
+    add_soup(scene, random, 60, 0.3f);
+    add_cloud(scene, random, 5, 0.4f);
+    end_group(scene);
+    add_cloud(scene, random, 30, 0.2f);
+    end_group(scene);
+    end_group(scene); // an empty one
+    add_soup(scene, random, 1, 1.0f);
+    end_group(scene);
+    add_soup(scene, random, 40, 0.2f);
+    add_cloud(scene, random, 20, 0.1f);
+    end_world(scene);
+    for (uint i = 0; i < 60; ++i) {
+        Transform m = compose(rotation(random.direction(), random.range(0.0f, 360.0f)),
+                              scaling(vec3(random.range(0.1f, 0.5f), random.range(0.1f, 0.5f),
+                                           (i % 3 == 0 ? -1.0f : 1.0f) * random.range(0.1f, 0.5f))));
+        m = compose(translation(random.in_box(1.0f)), m);
+        add_instance(scene, i % 4, m);
+        if (i == 5) add_instance(scene, 0, m); // in the same place: ties between instances
+    }
+    expect_agreement(scene, 800);
+    add_plane(scene, vec3(0.0f, 1.0f, 0.0f), -1.0f);
+    add_plane(scene, vec3(0.3f, 1.0f, 0.2f), -1.5f);
+    expect_agreement(scene, 1500);
+}
+
+TEST(BvhAgrees, PlanesAlone)
+{
+    PackedScene scene;
+    end_world(scene);
+    expect_agreement(scene, 0);
+    add_plane(scene, vec3(0.0f, 1.0f, 0.0f), -1.0f);
+    add_plane(scene, vec3(0.0f, 1.0f, 0.0f), -1.0f); // twice: the first one wins
+    add_plane(scene, vec3(1.0f, 0.0f, 0.0f), 0.5f);
+    expect_agreement(scene, 1000);
+}
+
+TEST(BvhAgrees, IdenticalCentroids)
+{
+    for (const int count : {2, 5, 100, 3000}) {
+        PackedScene scene;
+        Random random(5);
+        for (int i = 0; i < count; ++i) {
+            const float s = count == 3000 ? 1.0f : random.range(0.1f, 1.0f); // the last one: all the same triangle
+            add_triangle(scene, vec3(-s, -s, 0.0f), vec3(s, -s, 0.0f), vec3(0.0f, s, 0.0f));
+        }
+        for (int i = 0; i < 10; ++i) add_sphere(scene, vec3(0.0f), 0.5f);
+        end_world(scene);
+        expect_agreement(scene, 50, 1, 300);
+    }
+}
+
+TEST(BvhAgrees, ZeroAreaAndSlivers)
+{
+    Random random(8);
+    PackedScene scene;
+    for (int i = 0; i < 200; ++i) {
+        const vec3 a = random.in_box(1.0f), b = random.in_box(1.0f);
+        if (i % 4 == 0) add_triangle(scene, a, a, a);
+        if (i % 4 == 1) add_triangle(scene, a, b, b);
+        if (i % 4 == 2) add_triangle(scene, a, b, 0.5f * (a + b));
+        if (i % 4 == 3) add_triangle(scene, a, b, 0.5f * (a + b) + random.in_box(1e-3f));
+    }
+    for (int i = 0; i < 20; ++i) add_sphere(scene, random.in_box(1.0f), 0.0f);
+    end_world(scene);
+    expect_agreement(scene, 1);
+}
+
+TEST(BvhAgrees, NanAndInfiniteVertices)
+{
+    Random random(9);
+    PackedScene scene;
+    add_soup(scene, random, 300, 0.5f);
+    for (std::size_t i = 0; i < scene.positions.size(); i += 7)
+        scene.positions[i][static_cast<int>(i % 3)] = i % 2 ? std::nanf("") : (i % 4 ? infinity() : -infinity());
+    for (const float bad : {std::nanf(""), infinity(), -infinity()}) {
+        add_sphere(scene, vec3(bad, 0.0f, 0.0f), 0.3f);
+        add_sphere(scene, vec3(0.0f), bad);
+    }
+    end_world(scene);
+    expect_agreement(scene, 500);
+
+    PackedScene nothing;
+    for (int i = 0; i < 9; ++i) add_triangle(nothing, vec3(std::nanf("")), vec3(0.0f), vec3(1.0f));
+    end_world(nothing);
+    expect_agreement(nothing, 0);
+}
+
+TEST(BvhAgrees, HugeOffsets)
+{
+    for (const float offset : {1e4f, 1e6f, 1e9f}) {
+        Random random(10);
+        const vec3 center(offset, -offset, 0.5f * offset);
+        PackedScene scene;
+        add_soup(scene, random, 300, 0.5f, center);
+        for (int i = 0; i < 20; ++i) add_sphere(scene, center + random.in_box(1.0f), 0.2f);
+        const float size = offset * 1e-6f; // so that a few thousand positions exist even there
+        for (int i = 0; i < 200; ++i)
+            add_triangle(scene, center + random.in_box(size), center + random.in_box(size),
+                         center + random.in_box(size));
+        end_world(scene);
+        std::vector<Ray> rays = random_rays(random, 1500, size, center);
+        const std::vector<Ray> hostile = hostile_rays(scene, random);
+        rays.insert(rays.end(), hostile.begin(), hostile.end());
+        expect_agreement(scene, rays, 500);
+    }
+}
+
+TEST(BvhAgrees, FarAndTinyScenes)
+{
+    for (const float scale : {1e-9f, 1e-3f, 1e9f}) {
+        Random random(11);
+        PackedScene scene;
+        add_soup(scene, random, 200, 0.5f);
+        for (vec3& p : scene.positions) p *= scale;
+        end_world(scene);
+        std::vector<Ray> rays = random_rays(random, 1000, scale);
+        expect_agreement(scene, rays, 200);
+    }
+}
+
+// One axis a thousand million times longer, and a spiral of shrinking triangles: trees that degenerate.
+TEST(BvhAgrees, ExponentialSpacing)
+{
+    Random random(12);
+    PackedScene scene;
+    for (int i = 0; i < 400; ++i) {
+        const float s = std::exp2(-0.1f * static_cast<float>(i));
+        add_triangle(scene, vec3(s, -s, s), vec3(s, s, -s), vec3(s * 1.001f, s, s));
+    }
+    end_world(scene);
+    expect_agreement(scene, 1);
+}
+
+} // namespace
+} // namespace snell::test
