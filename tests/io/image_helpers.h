@@ -10,6 +10,7 @@
 #define STB_IMAGE_WRITE_STATIC
 #pragma GCC diagnostic push
 #pragma GCC diagnostic ignored "-Wunused-function"
+#pragma GCC diagnostic ignored "-Wmaybe-uninitialized" // seen by sanitizer builds
 #include <stb/stb_image_write.h>
 #pragma GCC diagnostic pop
 

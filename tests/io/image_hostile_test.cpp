@@ -172,6 +172,20 @@ TEST(Hostile, absurd_exr_headers_are_refused_before_memory_is_taken)
     EXPECT_TRUE(contains(error_of([&] { read_picture(folder / "a.exr"); }), "deep pixels are not supported"));
 }
 
+// stb_image writes past its array for such a table.
+TEST(Hostile, jpeg_with_an_overfull_huffman_table_is_refused)
+{
+    TemporaryFolder folder;
+    std::vector<std::uint8_t> grey(64, 100);
+    std::string bytes = stb_jpeg(8, 8, 1, grey.data());
+    std::size_t table = bytes.find("\xff\xc4");
+    ASSERT_NE(table, std::string::npos);
+    bytes[table + 5 + 9] = '\xff';
+    bytes[table + 5 + 10] = '\xff';
+    put(folder / "a.jpg", bytes);
+    EXPECT_TRUE(contains(error_of([&] { read_picture(folder / "a.jpg"); }), "broken Huffman table"));
+}
+
 TEST(Hostile, jpeg_of_endless_scans_is_refused)
 {
     TemporaryFolder folder;

@@ -18,6 +18,7 @@
 #define STBI_NO_HDR
 #pragma GCC diagnostic push
 #pragma GCC diagnostic ignored "-Wunused-function"
+#pragma GCC diagnostic ignored "-Wmaybe-uninitialized" // seen by sanitizer builds
 #include <stb/stb_image.h>
 #pragma GCC diagnostic pop
 
@@ -62,6 +63,17 @@ Raster decode(const fs::path& file, std::string_view bytes, const char* kind)
     return raster;
 }
 
+// Of a segment of Huffman tables. stb_image writes past its own array for a table of more than 256 codes.
+void check_huffman_tables(const fs::path& file, std::string_view tables)
+{
+    while (!tables.empty()) {
+        std::size_t codes = 0;
+        for (std::size_t i = 1; i < 17 && i < tables.size(); ++i) codes += byte_at(tables, i);
+        if (codes > 256 || tables.size() < 17 + codes) fail(file, "the JPEG file has a broken Huffman table");
+        tables.remove_prefix(17 + codes);
+    }
+}
+
 // Walks the segments of a JPEG up to the mark of its end, and checks its size on the way.
 void check_jpeg(const fs::path& file, std::string_view bytes)
 {
@@ -87,6 +99,7 @@ void check_jpeg(const fs::path& file, std::string_view bytes)
         std::size_t length = byte_at(bytes, at) << 8 | byte_at(bytes, at + 1);
         if (length < 2) fail(file, "the JPEG file has a broken segment");
         if (length > bytes.size() - at) cut_off();
+        if (mark == 0xc4) check_huffman_tables(file, bytes.substr(at + 2, length - 2));
         bool is_frame = mark >= 0xc0 && mark <= 0xcf && mark != 0xc4 && mark != 0xc8 && mark != 0xcc;
         if (is_frame && length >= 8) {
             std::int64_t height = byte_at(bytes, at + 3) << 8 | byte_at(bytes, at + 4);
