@@ -112,3 +112,4 @@ void give(Ray r)
 #define TWIN(name, relative, absolute, outliers)                                                                       \
     twin_entered++;                                                                                                    \
     if (twin.which == twin_entered)
+#define TWIN_BUILTIN(name, relative, absolute, outliers) TWIN(name, relative, absolute, outliers)

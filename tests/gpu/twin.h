@@ -7,6 +7,9 @@
 //         give(luminance(c));
 //     }
 //
+// TWIN_BUILTIN instead of TWIN: a result comes through pow, exp, log or a trigonometric function, which both languages
+// round as they like. All others must agree to the last bit in the exact build (see exact_builtins.glsl).
+//
 // Here an input is drawn and recorded; in twin.glsl the same call reads the recorded word, so both sides compute from
 // the same bits. Each input is drawn in a statement of its own: C++ leaves the order of arguments open.
 #pragma once
@@ -26,6 +29,7 @@ struct TwinCase
     std::string name;
     float relative = 0.0f, absolute = 0.0f; // |a - b| <= absolute + relative * max(|a|, |b|)
     float outliers = 0.0f;                  // share of the items that may hold a value beyond it
+    bool builtin = false;                   // not bit-equal in the exact build either
 };
 
 // What one run of a case records. Word w of item i is at [w * count + i].
@@ -49,10 +53,10 @@ class Twin
         item = i;
         entered = read_words = written_words = 0;
     }
-    bool enter(const char* name, float relative, float absolute, float outliers)
+    bool enter(const char* name, float relative, float absolute, float outliers, bool builtin)
     {
         ++entered;
-        if (wanted == 0) cases.push_back({name, relative, absolute, outliers});
+        if (wanted == 0) cases.push_back({name, relative, absolute, outliers, builtin});
         return entered == wanted;
     }
     void end_item() { given_words[item] = written_words; }
@@ -269,6 +273,7 @@ Array raw_as()
 }
 #define RAW(Array) raw_as<Array>()
 
-#define TWIN(name, relative, absolute, outliers) if (twin.enter(#name, relative, absolute, outliers))
+#define TWIN(name, relative, absolute, outliers) if (twin.enter(#name, relative, absolute, outliers, false))
+#define TWIN_BUILTIN(name, relative, absolute, outliers) if (twin.enter(#name, relative, absolute, outliers, true))
 
 } // namespace snell

@@ -1,5 +1,6 @@
 // Runs every case of tests/gpu/cases in C++ and on the GPU on the same inputs and compares the results word by word.
 #include "snell/core/error.h"
+#include "tests/gpu/spirv_exact.h"
 #include "tests/gpu/twin.h"
 #include "tests/gpu/twin_scene.h"
 #include "tests/gpu/vulkan_harness.h"
@@ -76,12 +77,23 @@ bool left_out()
     return no && std::strcmp(no, "1") == 0;
 }
 
+bool is_pattern(const Group& group)
+{
+    return std::strcmp(group.name, "layout") == 0;
+}
+
 std::uint64_t seed_of(const std::string& name)
 {
     std::uint64_t h = 0xcbf29ce484222325u; // FNV-1a
     for (char c : name) h = (h ^ static_cast<unsigned char>(c)) * 0x100000001b3u;
     return h;
 }
+
+enum class Mode
+{
+    plain, // within the tolerance of the case
+    exact  // bit for bit, but for the sign of a zero and the kind of a NaN
+};
 
 struct Comparison
 {
@@ -97,7 +109,7 @@ float as_float(std::uint32_t word)
     return uintBitsToFloat(word);
 }
 
-bool agree(std::uint32_t a, std::uint32_t b, bool floats, const TwinCase& limits, double& relative)
+bool agree(std::uint32_t a, std::uint32_t b, bool floats, const TwinCase& limits, Mode mode, double& relative)
 {
     relative = 0.0;
     if (a == b) return true;
@@ -112,6 +124,7 @@ bool agree(std::uint32_t a, std::uint32_t b, bool floats, const TwinCase& limits
     const double size = std::max(std::abs(x), std::abs(y));
     const double error = std::abs(double{x} - double{y});
     relative = size > 0.0 ? error / size : 0.0;
+    if (mode == Mode::exact && !limits.builtin) return error == 0.0;
     return error <= double{limits.absolute} + double{limits.relative} * size;
 }
 
@@ -129,7 +142,7 @@ std::string describe(std::size_t item, const std::uint32_t* gpu, std::uint32_t g
     return text + "\n";
 }
 
-Comparison compare(const TwinCase& limits, const std::uint32_t* gpu, const std::uint32_t* gpu_given)
+Comparison compare(const TwinCase& limits, Mode mode, const std::uint32_t* gpu, const std::uint32_t* gpu_given)
 {
     Comparison result;
     std::vector<double> errors;
@@ -138,9 +151,9 @@ Comparison compare(const TwinCase& limits, const std::uint32_t* gpu, const std::
         for (std::size_t word = 0; word < twin.given_words[item]; ++word) {
             const std::size_t at = word * twin.count + item;
             double relative;
-            good &= agree(twin.outputs[at], gpu[at], twin.is_float[at], limits, relative);
+            good &= agree(twin.outputs[at], gpu[at], twin.is_float[at], limits, mode, relative);
             ++result.values;
-            result.equal += twin.outputs[at] == gpu[at];
+            result.equal += relative == 0.0;
             if (relative > 0.0) errors.push_back(relative);
         }
         if (good) continue;
@@ -153,25 +166,29 @@ Comparison compare(const TwinCase& limits, const std::uint32_t* gpu, const std::
         std::nth_element(errors.begin(), nth, errors.end(), std::greater<>());
         result.usual = *nth;
     }
-    result.good = result.values > 0 &&
-                  static_cast<double>(result.outliers) <= double{limits.outliers} * static_cast<double>(twin.count);
+    const double allowed = mode == Mode::exact && !limits.builtin ? 0.0 : double{limits.outliers};
+    result.good =
+        result.values > 0 && static_cast<double>(result.outliers) <= allowed * static_cast<double>(twin.count);
     return result;
 }
 
-// Runs case number `which` of the group in C++, then with the kernel.
-Comparison run_case(const Machine& m, const Group& group, const GpuKernel& kernel, std::uint32_t which,
-                    const TwinCase& limits)
+// Runs case number `which` of the group in C++.
+void run_in_cpp(const Machine& m, const Group& group, std::uint32_t which, const TwinCase& limits)
 {
-    const bool pattern = std::strcmp(group.name, "layout") == 0;
     twin.start(which, items, seed_of(limits.name));
-    twin.scene = pattern ? m.pattern.view() : m.random.view();
+    twin.scene = is_pattern(group) ? m.pattern.view() : m.random.view();
     twin.raw = m.raw.data();
     for (std::size_t i = 0; i < items; ++i) {
         twin.next_item(i);
         group.run();
         twin.end_item();
     }
+}
 
+// Runs the same case with the kernel, on the inputs that C++ drew, and compares.
+Comparison run_on_gpu(const Machine& m, const Group& group, const GpuKernel& kernel, std::uint32_t which,
+                      const TwinCase& limits, Mode mode)
+{
     const auto inputs = m.gpu->make_buffer(twin.inputs.size() * sizeof(std::uint32_t));
     const auto outputs = m.gpu->make_buffer(twin.outputs.size() * sizeof(std::uint32_t));
     const auto given = m.gpu->make_buffer(items * sizeof(std::uint32_t));
@@ -183,13 +200,13 @@ Comparison run_case(const Machine& m, const Group& group, const GpuKernel& kerne
     push.outputs = outputs->address;
     push.given = given->address;
     push.raw = m.gpu_raw->address;
-    push.scene = (pattern ? m.gpu_pattern : m.gpu_random)->view->address;
+    push.scene = (is_pattern(group) ? m.gpu_pattern : m.gpu_random)->view->address;
     push.count = static_cast<std::uint32_t>(items);
     push.which = which;
     push.input_words = static_cast<std::uint32_t>(twin.inputs.size() / items);
     push.output_words = static_cast<std::uint32_t>(twin.outputs.size() / items);
     m.gpu->run(kernel, &push, static_cast<std::uint32_t>((items + 63) / 64));
-    return compare(limits, static_cast<const std::uint32_t*>(outputs->data),
+    return compare(limits, mode, static_cast<const std::uint32_t*>(outputs->data),
                    static_cast<const std::uint32_t*>(given->data));
 }
 
@@ -201,9 +218,15 @@ std::vector<TwinCase> list_cases(const Group& group)
     return twin.cases;
 }
 
-std::string shader(const std::string& name)
+std::unique_ptr<GpuKernel> load(const Machine& m, const std::string& name, Mode mode)
 {
-    return std::string(SNELL_TWIN_SHADERS) + "/" + name + ".spv";
+    const auto spirv = read_spirv(std::string(SNELL_TWIN_SHADERS) + "/" + name + ".spv");
+    return m.gpu->make_kernel(mode == Mode::exact ? with_no_contraction(spirv) : spirv, sizeof(Push));
+}
+
+double percent_equal(const Comparison& c)
+{
+    return 100.0 * static_cast<double>(c.equal) / static_cast<double>(std::max<std::size_t>(c.values, 1));
 }
 
 class TwinTest : public testing::TestWithParam<Group>
@@ -216,20 +239,34 @@ TEST_P(TwinTest, BothLanguagesAgree)
     if (left_out()) GTEST_SKIP() << "SNELL_NO_GPU_TESTS=1: the kernels of group " << group.name << " were not run";
     Machine& m = machine();
     ASSERT_TRUE(m.gpu) << m.trouble << "\n(SNELL_NO_GPU_TESTS=1 leaves these tests out)";
-    const auto kernel = m.gpu->load_kernel(shader(group.name), sizeof(Push));
+    const auto plain_kernel = load(m, group.name, Mode::plain);
+    const auto exact_kernel = load(m, std::string("exact_") + group.name, Mode::exact);
+    // Hardware may round divisions and square roots differently: bits are demanded of lavapipe only.
+    const bool demand_bits = m.gpu->name().find("llvmpipe") != std::string::npos;
 
     const std::vector<TwinCase> cases = list_cases(group);
     ASSERT_FALSE(cases.empty());
-    fmt::print("{:<34}{:>12}{:>12}{:>12}{:>10}{:>10}\n", std::string(group.name) + " on " + m.gpu->name().substr(0, 16),
-               "bit-equal", "99.9% <", "worst", "outliers", "allowed");
+    fmt::print("{:<36}{:>10}{:>10}{:>10}{:>10}{:>10}{:>14}\n",
+               std::string(group.name) + " on " + m.gpu->name().substr(0, 16), "bit-equal", "99.9% <", "worst",
+               "outliers", "allowed", "exact build");
     for (std::size_t i = 0; i < cases.size(); ++i) {
-        const Comparison c = run_case(m, group, *kernel, static_cast<std::uint32_t>(i) + 1, cases[i]);
-        fmt::print("  {:<32}{:>11.3f}%{:>12.2g}{:>12.2g}{:>10}{:>10.0f}\n", cases[i].name,
-                   100.0 * static_cast<double>(c.equal) / static_cast<double>(std::max<std::size_t>(c.values, 1)),
-                   c.usual, c.worst, c.outliers, cases[i].outliers * static_cast<float>(items));
-        EXPECT_TRUE(c.good) << group.name << "." << cases[i].name << ": " << c.outliers << " of " << items
-                            << " items differ, allowed are " << cases[i].outliers * static_cast<float>(items) << "\n"
-                            << c.examples;
+        const TwinCase& limits = cases[i];
+        const auto which = static_cast<std::uint32_t>(i) + 1;
+        run_in_cpp(m, group, which, limits);
+        const Comparison plain = run_on_gpu(m, group, *plain_kernel, which, limits, Mode::plain);
+        const Comparison exact = run_on_gpu(m, group, *exact_kernel, which, limits, Mode::exact);
+        const float allowed = limits.outliers * static_cast<float>(items);
+        fmt::print("  {:<34}{:>9.3f}%{:>10.2g}{:>10.2g}{:>10}{:>10.0f}{:>13.3f}%{}\n", limits.name,
+                   percent_equal(plain), plain.usual, plain.worst, plain.outliers, allowed, percent_equal(exact),
+                   limits.builtin ? " (built-in)" : "");
+        EXPECT_TRUE(plain.good) << group.name << "." << limits.name << ": " << plain.outliers << " of " << items
+                                << " items are out of tolerance, allowed are " << allowed << "\n"
+                                << plain.examples;
+        if (demand_bits) {
+            EXPECT_TRUE(exact.good) << group.name << "." << limits.name << ", exact build: " << exact.outliers << " of "
+                                    << items << " items differ\n"
+                                    << exact.examples;
+        }
     }
     std::cout.flush();
 }
@@ -240,11 +277,12 @@ INSTANTIATE_TEST_SUITE_P(Groups, TwinTest, testing::ValuesIn(groups),
 struct Mutant
 {
     const char* name;
+    Mode mode;
     const char* group;
     const char* spoiled_case;
 };
 const Mutant mutants[] = {
-#define MUTANT(name, group, spoiled_case) {#name, #group, #spoiled_case},
+#define MUTANT(name, mode, group, spoiled_case) {#name, Mode::mode, #group, #spoiled_case},
 #include "twin_mutants.inc"
 #undef MUTANT
 };
@@ -262,9 +300,10 @@ TEST(Twin, FindsAChangedConstant)
         const auto spoiled =
             std::find_if(cases.begin(), cases.end(), [&](const TwinCase& c) { return c.name == mutant.spoiled_case; });
         ASSERT_NE(spoiled, cases.end()) << mutant.spoiled_case;
-        const auto kernel = m.gpu->load_kernel(shader(mutant.name), sizeof(Push));
+        const auto kernel = load(m, mutant.name, mutant.mode);
         const auto which = static_cast<std::uint32_t>(spoiled - cases.begin()) + 1;
-        EXPECT_FALSE(run_case(m, *group, *kernel, which, *spoiled).good)
+        run_in_cpp(m, *group, which, *spoiled);
+        EXPECT_FALSE(run_on_gpu(m, *group, *kernel, which, *spoiled, mutant.mode).good)
             << "mutant " << mutant.name << " went unnoticed by " << mutant.spoiled_case;
     }
 }

@@ -229,15 +229,20 @@ std::unique_ptr<GpuBuffer> Gpu::make_buffer(std::size_t bytes) const
     return std::make_unique<GpuBuffer>(device, memory_types, bytes);
 }
 
-std::unique_ptr<GpuKernel> Gpu::load_kernel(const std::string& path, std::size_t push_bytes) const
+std::unique_ptr<GpuKernel> Gpu::make_kernel(const std::vector<std::uint32_t>& spirv, std::size_t push_bytes) const
+{
+    return std::make_unique<GpuKernel>(device, spirv, push_bytes);
+}
+
+std::vector<std::uint32_t> read_spirv(const std::string& path)
 {
     std::ifstream file(path, std::ios::binary | std::ios::ate);
-    if (!file) throw Error(Place{path}, "cannot read the shader", "build the target snell_gpu_tests");
+    if (!file) throw Error(Place{path}, "cannot read the shader", "build the target twin_shaders");
     std::vector<std::uint32_t> words(static_cast<std::size_t>(file.tellg()) / sizeof(std::uint32_t));
     file.seekg(0);
     file.read(reinterpret_cast<char*>(words.data()),
               static_cast<std::streamsize>(words.size() * sizeof(std::uint32_t)));
-    return std::make_unique<GpuKernel>(device, words, push_bytes);
+    return words;
 }
 
 void Gpu::run(const GpuKernel& kernel, const void* push, std::uint32_t groups) const

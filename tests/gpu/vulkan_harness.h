@@ -48,6 +48,9 @@ class GpuKernel
     VkShaderModule module = VK_NULL_HANDLE;
 };
 
+// Throws Error if the file cannot be read.
+std::vector<std::uint32_t> read_spirv(const std::string& path);
+
 class Gpu
 {
   public:
@@ -63,8 +66,7 @@ class Gpu
     const std::vector<std::string>& messages() const { return validation_messages; }
 
     std::unique_ptr<GpuBuffer> make_buffer(std::size_t bytes) const;
-    // The file holds SPIR-V. Throws Error if it cannot be read.
-    std::unique_ptr<GpuKernel> load_kernel(const std::string& path, std::size_t push_bytes) const;
+    std::unique_ptr<GpuKernel> make_kernel(const std::vector<std::uint32_t>& spirv, std::size_t push_bytes) const;
     // Runs the kernel on that many work groups and waits until the host sees what it wrote. push points to push_bytes.
     void run(const GpuKernel& kernel, const void* push, std::uint32_t groups) const;
 

@@ -51,6 +51,20 @@ TWIN(shear_ray, 3e-7f, 0.0f, 0.0f)
     give(s.sy);
     give(s.sz);
 }
+TWIN(product_error, 0.0f, 0.0f, 0.0f) // worthless if fused or reordered
+{
+    float a = range(-1e3f, 1e3f);
+    float b = range(-1e3f, 1e3f);
+    give(product_error(a, b, a * b));
+}
+TWIN(edge_function, 0.0f, 0.0f, 0.0f)
+{
+    float a = range(-1e3f, 1e3f);
+    float b = range(-1e3f, 1e3f);
+    float c = range(-1e3f, 1e3f);
+    uint close = index_below(2u); // a * b against b * a', with a' next to a
+    give(edge_function(a, b, close == 0u ? b : c, close == 0u ? uintBitsToFloat(floatBitsToUint(a) ^ 1u) : c));
+}
 TWIN(intersect_triangle_watertight, 1e-4f, 1e-5f, 0.003f) // rays along edges and slivers
 {
     vec3 v0 = point(2.0f);

@@ -6,6 +6,7 @@
 SNELL_BEGIN
 SNELL_ARRAY(TwinRays, Ray)
 SNELL_ARRAY(TwinHits, Hit)
+SNELL_ARRAY(TwinTransforms, Transform)
 SNELL_ARRAY(TwinKeys, SampleKey)
 SNELL_ARRAY(TwinCameras, Camera)
 SNELL_ARRAY(TwinParams, RenderParams)
@@ -17,26 +18,27 @@ SNELL_END
 TWIN(layout_scene_view, 0.0f, 0.0f, 0.0f)
 {
     uint i = index_below(1000u);
-    give(scene.positions.at[i]);
-    give(scene.normals.at[i]);
-    give(scene.uvs.at[i]);
-    give(scene.colors.at[i]);
-    give(scene.triangles.at[i].v0);
-    give(scene.surfaces.at[i & 127u].material);
-    give(scene.spheres.at[i & 127u].center);
-    give(scene.planes.at[i & 127u].normal);
-    give(scene.instances.at[i & 127u].group);
-    give(scene.materials.at[i & 127u].kind);
-    give(scene.lights.at[i & 127u].kind);
-    give(scene.textures.at[i & 127u].offset);
-    give(scene.texels.at[i]);
-    give(scene.srgb.at[i]);
-    give(scene.light_count);
-    give(scene.plane_count);
-    give(scene.environment);
-    give(scene.scene_radius);
-    give(scene.scene_center);
-    give(scene.delta_light_count);
+    SceneView view = scene;
+    give(view.positions.at[i]);
+    give(view.normals.at[i]);
+    give(view.uvs.at[i]);
+    give(view.colors.at[i]);
+    give(view.triangles.at[i].v0);
+    give(view.surfaces.at[i & 127u].material);
+    give(view.spheres.at[i & 127u].center);
+    give(view.planes.at[i & 127u].normal);
+    give(view.instances.at[i & 127u].group);
+    give(view.materials.at[i & 127u].kind);
+    give(view.lights.at[i & 127u].kind);
+    give(view.textures.at[i & 127u].offset);
+    give(view.texels.at[i]);
+    give(view.srgb.at[i]);
+    give(view.light_count);
+    give(view.plane_count);
+    give(view.environment);
+    give(view.scene_radius);
+    give(view.scene_center);
+    give(view.delta_light_count);
 }
 TWIN(layout_material, 0.0f, 0.0f, 0.0f)
 {
@@ -112,6 +114,10 @@ TWIN(layout_instance, 0.0f, 0.0f, 0.0f)
     give(n.group);
     give(n.light_base);
     give(n.object);
+    Transform t = RAW(TwinTransforms).at[i];
+    give(t.x);
+    give(t.y);
+    give(t.z);
 }
 TWIN(layout_texture, 0.0f, 0.0f, 0.0f)
 {

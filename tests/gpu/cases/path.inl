@@ -35,7 +35,7 @@ TWIN(generate_camera_path, 1e-5f, 1e-5f, 0.0f)
     uint slot = word();
     give_camera_path(generate_camera_path(params, x, y, sample_index, slot));
 }
-TWIN(make_vertex, 1e-3f, 1e-4f, 0.001f)
+TWIN_BUILTIN(make_vertex, 1e-3f, 1e-4f, 0.001f)
 {
     Ray ray = draw_ray();
     Hit hit = draw_hit();
@@ -47,7 +47,7 @@ TWIN(make_vertex, 1e-3f, 1e-4f, 0.001f)
     give(v.emission);
     give(vertex_eval(v, w));
 }
-TWIN(medium, 1e-5f, 1e-6f, 0.0f)
+TWIN_BUILTIN(medium, 1e-5f, 1e-6f, 0.0f)
 {
     uint material = index_below(scene_materials);
     float way = magnitude(1e-3f, 10.0f);
@@ -85,7 +85,7 @@ TWIN(sample_direct, 1e-3f, 1e-4f, 0.001f)
     vec3 p = point(4.0f);
     give_light_sample(sample_direct(scene, params, state_key(params, state), state, p));
 }
-TWIN(shade_path, 1e-3f, 1e-3f, 0.005f) // all branches of all materials and lights
+TWIN_BUILTIN(shade_path, 1e-3f, 1e-3f, 0.005f) // all branches of all materials and lights
 {
     RenderParams params = draw_params();
     PathState state = draw_state();

@@ -19,7 +19,7 @@ TWIN(triangle_point, 1e-4f, 1e-5f, 0.0f)
     hit.primitive = pack_primitive(kind_triangle, primitive_index(hit.primitive));
     give_surface_point(triangle_point(scene, hit));
 }
-TWIN(sphere_point, 1e-4f, 1e-4f, 0.0f)
+TWIN_BUILTIN(sphere_point, 1e-4f, 1e-4f, 0.0f)
 {
     uint index = index_below(scene_spheres);
     Ray ray = draw_ray();
@@ -35,7 +35,7 @@ TWIN(plane_point, 1e-4f, 1e-4f, 0.0f)
     hit.primitive = pack_primitive(kind_plane, index);
     give_surface_point(plane_point(scene, ray, hit));
 }
-TWIN(surface_point, 1e-4f, 1e-4f, 0.001f) // the normals switch sides
+TWIN_BUILTIN(surface_point, 1e-4f, 1e-4f, 0.001f) // the normals switch sides
 {
     Ray ray = draw_ray();
     Hit hit = draw_hit();

@@ -15,7 +15,7 @@ TWIN(material_albedo, 1e-4f, 1e-5f, 0.0f)
     MaterialPoint m = draw_material_point(kind, 0.5f);
     give(material_albedo(m));
 }
-TWIN(view_value, 1e-3f, 1e-3f, 0.001f) // fract of a texture coordinate jumps
+TWIN_BUILTIN(view_value, 1e-3f, 1e-3f, 0.001f) // fract of a texture coordinate jumps
 {
     RenderParams params = draw_params();
     uint view = index_below(5u);
@@ -34,7 +34,7 @@ TWIN(ambient_connection, 1e-3f, 1e-3f, 0.001f)
     Hit hit = draw_hit();
     give_connection(ambient_connection(scene, params, state, ray, hit));
 }
-TWIN(first_hit, 1e-3f, 1e-4f, 0.001f)
+TWIN_BUILTIN(first_hit, 1e-3f, 1e-4f, 0.001f)
 {
     Ray ray = draw_ray();
     Hit hit = draw_hit();
