@@ -16,13 +16,13 @@ static float random_number(uint& state)
     return static_cast<float>(((word >> 22u) ^ word) >> 8u) * 0x1p-24f;
 }
 
-// A saturated colour of luminance near 1 for a hue in [0, 1).
+// A saturated colour for a hue in [0, 1), about as bright to the eye as any other.
 static vec3 lamp_color(float hue)
 {
     const vec3 phase = vec3(hue) + vec3(0.0f, 1.0f / 3.0f, 2.0f / 3.0f);
     const vec3 wave = 0.5f + 0.5f * cos(2.0f * pi * phase);
-    const vec3 color = 0.08f + wave * wave;
-    return color / luminance(color);
+    const vec3 color = 0.02f + wave * wave * wave;
+    return color / (0.3f * luminance(color) + 0.7f * max3(color));
 }
 
 Scene make_many_lights(int count)
@@ -32,7 +32,7 @@ Scene make_many_lights(int count)
         throw Error(fmt::format("a scene of {} lights", count), fmt::format("give a number from 1 to {}", most));
     Scene scene;
     scene.name = "many-lights";
-    scene.environment = vec3(0.004f, 0.006f, 0.012f);
+    scene.environment = vec3(0.012f, 0.016f, 0.030f);
     const auto stone = add(scene, mix_of("stone", vec3(0.55f), vec3(0.12f), 0.3f));
     const auto floor = add(scene, mix_of("wet floor", vec3(0.25f), vec3(0.35f), 0.12f));
     add(scene, PlaneDesc{"floor", vec3(0.0f), {0, 1, 0}, floor});
@@ -55,9 +55,9 @@ Scene make_many_lights(int count)
 
     // Lamps hang in the streets at random; their powers add up to the same however many they are. Every second one is
     // a small ball, the others are points.
-    const float total = 300.0f;
+    const float total = 100.0f;
     const float intensity = total / static_cast<float>(count);
-    constexpr float radius = 0.035f;
+    constexpr float radius = 0.045f;
     constexpr int hues = 16;
     std::vector<Index<MaterialDesc>> glows;
     for (int i = 0; i < hues; ++i) {
@@ -69,7 +69,7 @@ Scene make_many_lights(int count)
     for (int i = 0; i < count; ++i) {
         const float along = random_number(state), which = random_number(state);
         const float rise = random_number(state);
-        const float height = 0.12f + 0.9f * rise * rise;
+        const float height = 0.2f + 0.9f * rise;
         const bool lengthwise = random_number(state) < 0.5f;
         const float hue = random_number(state);
         const float extent = blocks * pitch;
@@ -88,7 +88,7 @@ Scene make_many_lights(int count)
         }
     }
     add(scene, InstanceDesc{"lamps", add(scene, balls), identity_transform()});
-    add(scene, CameraDesc{"above the streets", {0.0f, 4.6f, 6.4f}, {0.0f, 0.1f, -4.0f}, {0, 1, 0}, 42.0f});
+    add(scene, CameraDesc{"above the streets", {2.2f, 4.4f, 4.6f}, {0.2f, 0.0f, -3.6f}, {0, 1, 0}, 46.0f});
     return scene;
 }
 

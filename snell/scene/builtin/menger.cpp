@@ -85,8 +85,8 @@ Scene make_menger(int depth)
     Scene scene;
     scene.name = "menger";
     scene.environment = vec3(0.16f, 0.22f, 0.34f);
-    const auto stone = add(scene, diffuse("stone", {0.78f, 0.72f, 0.64f}));
-    const auto floor = add(scene, diffuse("floor", vec3(0.45f)));
+    const auto stone = add(scene, diffuse("stone", {0.75f, 0.68f, 0.58f}));
+    const auto floor = add(scene, diffuse("floor", {0.36f, 0.34f, 0.33f}));
     const auto lamp = add(scene, emitter("lamp", {26.0f, 12.0f, 3.6f}));
     add(scene, PlaneDesc{"floor", vec3(0.0f), {0, 1, 0}, floor});
 
@@ -106,9 +106,9 @@ Scene make_menger(int depth)
     sun.name = "sun";
     sun.kind = light_directional;
     sun.direction = {0.6f, -1.0f, -0.35f};
-    sun.emission = vec3(2.0f, 2.0f, 2.1f);
+    sun.emission = vec3(2.7f, 2.35f, 1.9f);
     add(scene, sun);
-    add(scene, CameraDesc{"corner", {2.9f, 3.3f, 4.6f}, {0.0f, 0.86f, 0.0f}, {0, 1, 0}, 35.0f});
+    add(scene, CameraDesc{"corner", {2.9f, 3.3f, 4.6f}, {0.05f, 0.86f, 0.0f}, {0, 1, 0}, 33.0f});
     return scene;
 }
 

@@ -57,17 +57,17 @@ Scene make_sphereflake(int depth)
         throw Error(fmt::format("a sphereflake of depth {}", depth), fmt::format("give a depth from 0 to {}", deepest));
     Scene scene;
     scene.name = "sphereflake";
-    scene.environment = vec3(0.42f, 0.52f, 0.70f);
-    const auto floor = add(scene, diffuse("floor", {0.42f, 0.39f, 0.36f}));
-    add(scene, PlaneDesc{"floor", {0, -1.5f, 0}, {0, 1, 0}, floor});
+    scene.environment = vec3(0.36f, 0.48f, 0.72f);
+    const auto floor = add(scene, mix_of("polished floor", {0.22f, 0.20f, 0.18f}, vec3(0.16f), 0.0f));
+    add(scene, PlaneDesc{"floor", {0, -1.0f, 0}, {0, 1, 0}, floor});
     Grower grower{scene,
                   child_maps(),
                   {add(scene, mix_of("silver", {0.10f, 0.11f, 0.13f}, {0.72f, 0.74f, 0.78f}, 0.0f)),
                    add(scene, mix_of("gold", {0.30f, 0.17f, 0.03f}, {0.60f, 0.42f, 0.16f}, 0.0f)),
-                   add(scene, mix_of("lacquer", {0.45f, 0.05f, 0.04f}, {0.20f, 0.20f, 0.20f}, 0.0f))}};
+                   add(scene, mix_of("steel", {0.05f, 0.10f, 0.17f}, {0.50f, 0.58f, 0.70f}, 0.0f))}};
 
     // The trunk is made of spheres in the world, the rest of placed clusters that share their spheres.
-    const Transform upright = rotation({1, 0, -0.3f}, 20.0f);
+    const Transform upright = rotation({0, 1, 0}, 20.0f);
     Group trunk, cluster;
     trunk.name = "trunk";
     cluster.name = "cluster";
@@ -87,9 +87,9 @@ Scene make_sphereflake(int depth)
     sun.name = "sun";
     sun.kind = light_directional;
     sun.direction = {0.75f, -1.0f, -0.65f};
-    sun.emission = vec3(2.9f, 2.7f, 2.3f);
+    sun.emission = vec3(3.6f, 3.2f, 2.5f);
     add(scene, sun);
-    add(scene, CameraDesc{"front", {0.4f, 2.6f, 6.4f}, {0.0f, 0.05f, 0.0f}, {0, 1, 0}, 37.0f});
+    add(scene, CameraDesc{"front", {0.5f, 2.1f, 6.1f}, {0.05f, 0.1f, 0.0f}, {0, 1, 0}, 34.0f});
     return scene;
 }
 

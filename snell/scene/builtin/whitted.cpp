@@ -27,7 +27,7 @@ Scene make_whitted()
     lamp.position = {-4.0f, 9.0f, 5.0f};
     lamp.emission = vec3(290.0f, 280.0f, 260.0f);
     add(scene, lamp);
-    add(scene, CameraDesc{"1980", {0.0f, 2.6f, 8.0f}, {0.25f, 1.55f, 0.0f}, {0, 1, 0}, 33.0f});
+    add(scene, CameraDesc{"1980", {0.0f, 2.6f, 7.6f}, {0.3f, 1.6f, 0.0f}, {0, 1, 0}, 31.0f});
     return scene;
 }
 
