@@ -1,6 +1,7 @@
 # The commit hash lives in one tiny file of the build folder, looked up at each build and rewritten only when it has
 # changed: a commit costs one small compilation, not a full one. Run as a script, this file writes it.
 if(CMAKE_SCRIPT_MODE_FILE)
+    cmake_minimum_required(VERSION 3.25)
     set(commit "unknown")
     if(EXISTS ${SOURCE}/.git)
         execute_process(COMMAND git -C ${SOURCE} describe --always --dirty=-modified --abbrev=10

@@ -110,9 +110,10 @@ void ProgressLine::update(const Progress& progress)
     const double elapsed = std::chrono::duration<double>(now - started_).count();
     const double fraction = std::clamp(progress.fraction, 0.0, 1.0);
     const std::string left = fraction > 0.0 ? clock_time(elapsed * (1.0 - fraction) / fraction) : "-:--";
-    const std::string facts = fmt::format(
-        "{:3.0f}%  {}/{} spp  {}rays/s  {} elapsed, {} left", std::floor(100.0 * fraction), progress.spp_done, spp_,
-        short_count(static_cast<double>(progress.stats.rays()) / elapsed), clock_time(elapsed), left);
+    const std::string facts =
+        fmt::format("{:3.0f}%  {:.0f}/{} spp  {}rays/s  {} elapsed, {} left", std::floor(100.0 * fraction),
+                    std::floor(fraction * spp_), spp_,
+                    short_count(static_cast<double>(progress.stats.rays()) / elapsed), clock_time(elapsed), left);
     if (terminal_) {
         constexpr int width = 20;
         const auto done = static_cast<std::size_t>(fraction * width);

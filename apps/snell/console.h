@@ -61,7 +61,7 @@ class ProgressLine
     Clock::time_point started_ = Clock::now(), last_ = started_;
 };
 
-// "950", "12.3 k", "4.56 M", "1.20 G": with a space before the unit that follows.
+// "950 ", "12.3 k", "4.56 M", "1.2 G": a unit goes right behind it.
 std::string short_count(double value);
 // "640 B", "12.3 KiB", "4.56 MiB".
 std::string short_bytes(double bytes);

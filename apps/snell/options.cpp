@@ -19,6 +19,7 @@ struct Options::Parser
     std::vector<std::string> optional; // those that may take one
 };
 
+// What parse() adds; no one types a line break.
 static const std::string no_value = "\n";
 
 Options::Options(std::string name, std::string summary, std::string epilogue) : parser_(std::make_unique<Parser>())
@@ -141,7 +142,9 @@ std::optional<int> Options::parse(Arguments arguments)
     try {
         parser_->app.parse(std::move(joined));
     } catch (const CLI::CallForHelp&) {
-        std::fputs(parser_->app.help().c_str(), stdout);
+        std::string help = parser_->app.help();
+        for (std::size_t at; (at = help.find("\n\n\n")) != std::string::npos;) help.erase(at, 1);
+        std::fputs(help.c_str(), stdout);
         return 0;
     } catch (const CLI::ParseError& error) {
         std::string message = error.what();

@@ -23,7 +23,8 @@ static double per_second(std::uint64_t count, double seconds)
 
 static std::string counted(std::uint64_t count)
 {
-    return short_count(static_cast<double>(count));
+    const std::string text = short_count(static_cast<double>(count));
+    return text.ends_with(' ') ? text : text + ' ';
 }
 
 std::string closing_line(const RenderReport& report)

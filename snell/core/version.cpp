@@ -35,12 +35,8 @@ std::string compiler()
 
 std::vector<std::string> instruction_sets()
 {
-    // Highway gives the better set the lower bit.
     std::vector<std::string> names;
-    for (std::int64_t left = hwy::SupportedAndGeneratedTargets(); left != 0; left &= left - 1) {
-        const std::int64_t target = left & -left;
-        names.emplace_back(hwy::TargetName(target));
-    }
+    for (const std::int64_t target : hwy::SupportedAndGeneratedTargets()) names.emplace_back(hwy::TargetName(target));
     return names;
 }
 
