@@ -61,7 +61,7 @@ bool take_index(std::string_view& word)
     return true;
 }
 
-// i, i/j, i//k, i/j/k; a slash without a number behind it is forgiven, for some exporters write it.
+// i, i/j, i//k, i/j/k; slashes without a number behind them are forgiven, for some exporters write them.
 bool is_corner(std::string_view word)
 {
     if (!take_index(word)) return false;
@@ -139,18 +139,15 @@ bool LineGate::admit(std::string_view line)
     has_color_ = false;
     std::string_view rest = line;
     const std::string_view keyword = take_word(rest);
-    if (keyword == "f" && rest.find('#') != std::string_view::npos) {
-        // tinyobjloader would take the comment's words for corners.
-        joined_ = std::string(line.substr(0, line.find('#')));
-        show_joined();
-        check_indices(std::string_view(shown_).substr(shown_.find('f') + 1));
-        return true;
-    }
     if (keyword.empty() || keyword.front() == '#') return false;
     if (keyword == "v") return check_vertex(rest), true;
     if (keyword == "vn") return check_numbers(rest, 3, 3), true;
     if (keyword == "vt") return check_numbers(rest, 1, 3), true;
-    if (keyword == "f" || keyword == "fo") return check_indices(rest), keyword == "f";
+    if (keyword == "f" || keyword == "fo") { // as faces were called before version 3
+        if (check_indices(rest) && keyword == "f") return true;
+        rewrite_face(rest);
+        return true;
+    }
     if (!handle(keyword, rest)) count(unknown_);
     return false;
 }
@@ -221,14 +218,32 @@ void LineGate::check_vertex(std::string_view rest)
     }
 }
 
-void LineGate::check_indices(std::string_view rest)
+// False if tinyobjloader would misread the line: it takes a comment's words for corners, and in "1/ 2/ 3" the next
+// corner for what is missing behind the slash.
+bool LineGate::check_indices(std::string_view rest)
 {
-    for (std::string_view word = take_word(rest); !word.empty(); word = take_word(rest))
+    bool is_plain = true;
+    for (std::string_view word = take_word(rest); !word.empty(); word = take_word(rest)) {
+        if (word.front() == '#') return false;
         if (!is_corner(word))
             fail_at(
                 word,
                 fmt::format("a face's corner should be here, like 1, 1/2 or 1/2/3, but there is {}", show_word(word)),
                 "mend the line or write the file again");
+        is_plain = is_plain && word.back() != '/';
+    }
+    return is_plain;
+}
+
+void LineGate::rewrite_face(std::string_view rest)
+{
+    std::string plain = "f";
+    for (std::string_view word = take_word(rest); !word.empty() && word.front() != '#'; word = take_word(rest)) {
+        while (word.back() == '/') word.remove_suffix(1);
+        plain.append(" ").append(word);
+    }
+    joined_ = plain;
+    show_joined();
 }
 
 void LineGate::set_smoothing(std::string_view rest)

@@ -52,7 +52,8 @@ class LineGate : public std::streambuf
     bool admit(std::string_view line);
     bool handle(std::string_view keyword, std::string_view rest);
     int check_numbers(std::string_view rest, int least, int most);
-    void check_indices(std::string_view rest);
+    bool check_indices(std::string_view rest);
+    void rewrite_face(std::string_view rest);
     void check_vertex(std::string_view rest);
     void set_smoothing(std::string_view rest);
     void count(Tally& tally);

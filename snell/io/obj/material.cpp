@@ -156,8 +156,9 @@ fs::path MaterialLibrary::locate(const std::string& name) const
 
 void MaterialLibrary::load(std::string_view names, const std::string& place)
 {
+    if (!asked_.emplace(names).second) return;
     constexpr std::size_t most_libraries = 1000; // each costs a look into the folder
-    if (loaded_.size() >= most_libraries) {
+    if (asked_.size() > most_libraries) {
         if (!noted_limit_) warn(fmt::format("{}: from here on no more material libraries are read", place));
         noted_limit_ = true;
         return;

@@ -66,6 +66,7 @@ class MaterialLibrary
 
     Scene& scene_;
     std::filesystem::path folder_;
+    std::set<std::string, std::less<>> asked_; // what `mtllib` lines said
     std::set<std::filesystem::path> loaded_;
     std::unordered_map<std::string, Source> sources_;
     std::map<std::pair<std::string, bool>, Index<Image>> textures_;

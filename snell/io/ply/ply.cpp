@@ -123,7 +123,7 @@ class Body
     {
         const long long count = reader_.integer(property.count_type);
         if (count < 0 || !reader_.can_hold(property.type, static_cast<std::uint64_t>(count)))
-            reader_.fail(fmt::format("a list of {} values", count),
+            reader_.fail(fmt::format("a list of {} values, which the rest of the file cannot hold", count),
                          "the file is truncated or damaged: get or write it again");
         return static_cast<std::uint64_t>(count);
     }
