@@ -40,14 +40,15 @@ class DirectionBins
         return static_cast<std::size_t>(ring * sectors_ + sector);
     }
 
-    // Integral of the density over each cell, within about `tolerance`; the last one is 0.
-    std::vector<double> integrate(const Density& density, double tolerance = 3e-7) const
+    // Integral of the density over each cell; the last one is 0. A cell is cut in four, and its parts again, until that
+    // changes a part by less than `tolerance`.
+    std::vector<double> integrate(const Density& density, double tolerance = 1e-7) const
     {
         std::vector<double> result;
         for (int ring = 0; ring < rings_; ++ring)
             for (int sector = 0; sector < sectors_; ++sector) {
                 const Cell cell{edge(ring), edge(ring + 1), turn(sector), turn(sector + 1)};
-                result.push_back(refine(density, cell, gauss(density, cell), tolerance, 9));
+                result.push_back(refine(density, cell, gauss(density, cell), tolerance, 16));
             }
         result.push_back(0);
         return result;
@@ -87,7 +88,7 @@ class DirectionBins
         for (int i = 0; i < 4; ++i) sum += parts[i] = gauss(density, quarters[i]);
         if (depth == 0 || std::abs(sum - whole) < tolerance) return sum;
         sum = 0;
-        for (int i = 0; i < 4; ++i) sum += refine(density, quarters[i], parts[i], 0.5 * tolerance, depth - 1);
+        for (int i = 0; i < 4; ++i) sum += refine(density, quarters[i], parts[i], tolerance, depth - 1);
         return sum;
     }
 
