@@ -118,7 +118,7 @@ GpuKernel::~GpuKernel()
     vkDestroyShaderModule(device, module, nullptr);
 }
 
-Gpu::Gpu(const std::string& name_part)
+Gpu::Gpu(const std::string& name_part, std::vector<std::string>& messages) : validation_messages(messages)
 {
     create_instance();
     choose_device(name_part);

@@ -56,15 +56,13 @@ class Gpu
   public:
     // Opens the first device whose name contains name_part, with the Khronos validation layer on. Throws Error with the
     // names of all devices if there is none, and if the layer is not installed.
-    explicit Gpu(const std::string& name_part);
+    //   messages  gets what the layer has to say, warnings and errors; must outlive the Gpu
+    Gpu(const std::string& name_part, std::vector<std::string>& messages);
     ~Gpu();
     Gpu(const Gpu&) = delete;
     Gpu& operator=(const Gpu&) = delete;
 
     std::string name() const { return device_name; }
-    // What the validation layer has said so far, warnings and errors; empty if all is well.
-    const std::vector<std::string>& messages() const { return validation_messages; }
-
     std::unique_ptr<GpuBuffer> make_buffer(std::size_t bytes) const;
     std::unique_ptr<GpuKernel> make_kernel(const std::vector<std::uint32_t>& spirv, std::size_t push_bytes) const;
     // Runs the kernel on that many work groups and waits until the host sees what it wrote. push points to push_bytes.
@@ -83,7 +81,7 @@ class Gpu
     VkQueue queue = VK_NULL_HANDLE;
     VkCommandPool pool = VK_NULL_HANDLE;
     std::string device_name;
-    std::vector<std::string> validation_messages;
+    std::vector<std::string>& validation_messages;
 };
 
 } // namespace snell
