@@ -22,7 +22,7 @@ TWIN(lambert, 1e-5f, 1e-3f, 0.0f) // see sample_cosine_hemisphere
     give(pdf_lambert(wo, wi));
     give_bsdf_sample(sample_lambert(albedo, wo, u));
 }
-TWIN(ggx_reflection, 1e-3f, 1e-5f, 0.001f)
+TWIN(ggx_reflection, 1e-3f, 1e-5f, 0.001f) // near the peak of a small alpha a tiny turn of the normal counts
 {
     float alpha = magnitude(1e-2f, 1.0f);
     vec3 wo = direction();
@@ -31,7 +31,7 @@ TWIN(ggx_reflection, 1e-3f, 1e-5f, 0.001f)
     give(eval_ggx_reflection(alpha, wo, wi));
     give(pdf_ggx_reflection(alpha, wo, wi));
 }
-TWIN(sample_ggx_reflection, 1e-3f, 1e-4f, 0.001f)
+TWIN(sample_ggx_reflection, 1e-3f, 1e-4f, 0.01f) // see sample_ggx_visible
 {
     float alpha = magnitude(1e-2f, 1.0f);
     vec3 wo = direction();
@@ -39,21 +39,21 @@ TWIN(sample_ggx_reflection, 1e-3f, 1e-4f, 0.001f)
     if (wo.z == 0.0f) wo = vec3(0.0f, 0.0f, 1.0f);
     give(sample_ggx_reflection(alpha, wo, u));
 }
-TWIN(sample_smooth_dielectric, 1e-3f, 1e-5f, 0.001f)
+TWIN(sample_smooth_dielectric, 1e-3f, 1e-5f, 0.001f) // u next to the reflectance; the critical angle
 {
     MaterialPoint m = draw_material_point(material_dielectric, 0.0f);
     vec3 wo = direction();
     float u = unit();
     give_bsdf_sample(sample_smooth_dielectric(m, wo, u));
 }
-TWIN(dielectric_half_vector, 1e-3f, 1e-4f, 0.001f)
+TWIN(dielectric_half_vector, 1e-3f, 1e-4f, 0.001f) // wo and wi cancel
 {
     vec3 wo = direction();
     vec3 wi = direction();
     float eta = range(0.4f, 3.0f);
     give(dielectric_half_vector(wo, wi, eta));
 }
-TWIN(rough_dielectric, 1e-3f, 1e-4f, 0.002f)
+TWIN(rough_dielectric, 1e-3f, 1e-4f, 0.002f) // where i + o / eta cancels, the density is huge
 {
     float alpha = magnitude(1e-2f, 1.0f);
     MaterialPoint m = draw_material_point(material_dielectric, alpha);
@@ -62,7 +62,7 @@ TWIN(rough_dielectric, 1e-3f, 1e-4f, 0.002f)
     give(eval_rough_dielectric(m, wo, wi));
     give(pdf_rough_dielectric(m, wo, wi));
 }
-TWIN(sample_rough_dielectric, 1e-3f, 1e-4f, 0.01f)
+TWIN(sample_rough_dielectric, 1e-3f, 1e-4f, 0.01f) // both of the above, and the choice of the lobe
 {
     float alpha = magnitude(1e-2f, 1.0f);
     MaterialPoint m = draw_material_point(material_dielectric, alpha);
@@ -79,7 +79,7 @@ TWIN(mix_specular_probability, 1e-6f, 0.0f, 0.0f)
     give(mix_specular_probability(m));
     give(has_smooth_part(m));
 }
-TWIN(eval_bsdf, 1e-3f, 1e-4f, 0.002f)
+TWIN(eval_bsdf, 1e-3f, 1e-4f, 0.002f) // as the parts
 {
     uint kind = index_below(5u);
     float alpha = magnitude(1e-2f, 1.0f);
@@ -90,7 +90,7 @@ TWIN(eval_bsdf, 1e-3f, 1e-4f, 0.002f)
     give(eval_bsdf(m, wo, wi));
     give(pdf_bsdf(m, wo, wi));
 }
-TWIN(sample_bsdf, 1e-3f, 1e-3f, 0.005f)
+TWIN(sample_bsdf, 1e-3f, 1e-3f, 0.005f) // as the parts
 {
     uint kind = index_below(5u);
     float alpha = magnitude(1e-2f, 1.0f);

@@ -65,7 +65,7 @@ TWIN(edge_function, 0.0f, 0.0f, 0.0f)
     uint close = index_below(2u); // a * b against b * a', with a' next to a
     give(edge_function(a, b, close == 0u ? b : c, close == 0u ? uintBitsToFloat(floatBitsToUint(a) ^ 1u) : c));
 }
-TWIN(intersect_triangle_watertight, 1e-4f, 1e-5f, 0.003f) // rays along edges and slivers
+TWIN(intersect_triangle_watertight, 1e-4f, 1e-5f, 0.001f) // rays along edges and slivers
 {
     vec3 v0 = point(2.0f);
     vec3 v1 = point(2.0f);
@@ -74,7 +74,7 @@ TWIN(intersect_triangle_watertight, 1e-4f, 1e-5f, 0.003f) // rays along edges an
     if (!is_traceable(ray)) ray.direction.x = 1.0f;
     give_intersection(intersect_triangle_watertight(ray, shear_ray(ray), v0, v1, v2));
 }
-TWIN(intersect_triangle_moller_trumbore, 1e-4f, 1e-5f, 0.003f)
+TWIN(intersect_triangle_moller_trumbore, 1e-4f, 1e-5f, 0.001f) // the same
 {
     vec3 v0 = point(2.0f);
     vec3 v1 = point(2.0f);
@@ -82,7 +82,7 @@ TWIN(intersect_triangle_moller_trumbore, 1e-4f, 1e-5f, 0.003f)
     Ray ray = draw_ray_toward(v0, v1, v2);
     give_intersection(intersect_triangle_moller_trumbore(ray, v0, v1, v2));
 }
-TWIN(intersect_sphere, 1e-4f, 1e-5f, 0.003f) // tangents
+TWIN(intersect_sphere, 1e-4f, 1e-5f, 0.001f) // tangents
 {
     vec3 center = point(2.0f);
     float radius = magnitude(1e-2f, 3.0f);
@@ -90,7 +90,7 @@ TWIN(intersect_sphere, 1e-4f, 1e-5f, 0.003f) // tangents
     if (!is_traceable(ray)) ray.direction.x = 1.0f;
     give_intersection(intersect_sphere(ray, center, radius));
 }
-TWIN(intersect_plane, 1e-4f, 1e-5f, 0.003f)
+TWIN(intersect_plane, 1e-4f, 1e-5f, 0.001f) // rays along the plane
 {
     vec3 normal = direction();
     float offset = range(-2.0f, 2.0f);
@@ -103,7 +103,7 @@ TWIN(ray_to_object, 1e-6f, 1e-5f, 0.0f)
     Ray ray = draw_ray();
     give(ray_to_object(ray, scene.instances.at[i].to_object));
 }
-TWIN(intersect_primitive, 1e-4f, 1e-5f, 0.003f)
+TWIN(intersect_primitive, 1e-4f, 1e-5f, 0.001f) // as its parts
 {
     Hit hit = draw_hit();
     uint test = index_below(2u);

@@ -25,21 +25,21 @@ TWIN(sphere_cone, 1e-4f, 0.0f, 0.001f) // near the sphere
     vec3 p = point(4.0f);
     give(sphere_cone(scene.lights.at[i], p));
 }
-TWIN(sample_point_light, 1e-4f, 1e-5f, 0.001f)
+TWIN(sample_point_light, 1e-4f, 1e-5f, 0.001f) // at the rim of the spot
 {
     uint i = index_below(6u);
     vec3 p = point(4.0f);
     if (scene.lights.at[i].kind == light_directional) give_light_sample(sample_directional_light(scene.lights.at[i]));
     if (scene.lights.at[i].kind != light_directional) give_light_sample(sample_point_light(scene.lights.at[i], p));
 }
-TWIN(sample_triangle_light, 1e-3f, 1e-4f, 0.001f)
+TWIN(sample_triangle_light, 1e-3f, 1e-4f, 0.001f) // seen edge-on the density is huge, then 0
 {
     uint i = 6u + index_below(8u);
     vec3 p = point(4.0f);
     vec2 u = unit2();
     give_light_sample(sample_triangle_light(scene.lights.at[i], p, u));
 }
-TWIN(sample_sphere_light, 1e-3f, 1e-4f, 0.001f)
+TWIN(sample_sphere_light, 1e-3f, 1e-4f, 0.001f) // at the rim
 {
     uint i = 14u + index_below(6u);
     vec3 p = point(4.0f);
@@ -49,14 +49,14 @@ TWIN(sample_sphere_light, 1e-3f, 1e-4f, 0.001f)
     if (near == 0u) p = light.position + (0.2f * light.cos_inner) * p;
     give_light_sample(sample_sphere_light(light, p, u));
 }
-TWIN(sample_light, 1e-3f, 1e-4f, 0.001f)
+TWIN(sample_light, 1e-3f, 1e-4f, 0.001f) // as its parts
 {
     uint i = index_below(scene_lights);
     vec3 p = point(4.0f);
     vec2 u = unit2();
     give_light_sample(sample_light(scene.lights.at[i], p, u));
 }
-TWIN(pdf_light, 1e-3f, 1e-4f, 0.001f)
+TWIN(pdf_light, 1e-3f, 1e-4f, 0.001f) // seen edge-on
 {
     uint i = index_below(scene_lights);
     vec3 p = point(4.0f);
@@ -75,7 +75,7 @@ TWIN(sample_environment, 1e-5f, 1e-6f, 0.0f)
     vec2 u = unit2();
     give_light_sample(sample_environment(radiance, u));
 }
-TWIN(shadow_ray, 1e-4f, 1e-4f, 0.001f)
+TWIN(shadow_ray, 1e-4f, 1e-4f, 0.001f) // the direction lies in the surface: which side?
 {
     SurfacePoint surface;
     surface.position = point(4.0f);

@@ -18,7 +18,7 @@ TWIN(ggx_g, 1e-5f, 1e-6f, 0.0f)
     give(ggx_g1(o.z, alpha));
     give(ggx_g2(o.z, i.z, alpha));
 }
-TWIN(sample_ggx_visible, 1e-4f, 1e-4f, 0.005f) // u.x next to 1: the cap and the direction cancel
+TWIN(sample_ggx_visible, 1e-4f, 1e-4f, 0.01f) // u.x next to 1: the cap and the direction cancel
 {
     vec3 w = upper_direction();
     float alpha = magnitude(1e-3f, 1.0f);

@@ -35,7 +35,7 @@ TWIN(generate_camera_path, 1e-5f, 1e-5f, 0.0f)
     uint slot = word();
     give_camera_path(generate_camera_path(params, x, y, sample_index, slot));
 }
-TWIN_BUILTIN(make_vertex, 1e-3f, 1e-4f, 0.001f)
+TWIN_BUILTIN(make_vertex, 1e-3f, 1e-4f, 0.001f) // the normals switch sides
 {
     Ray ray = draw_ray();
     Hit hit = draw_hit();
@@ -55,7 +55,7 @@ TWIN_BUILTIN(medium, 1e-5f, 1e-6f, 0.0f)
     give(medium_transmittance(scene, material, way));
     give(medium_behind(scene, material, outside == 0u));
 }
-TWIN(scatter, 1e-3f, 1e-4f, 0.001f)
+TWIN(scatter, 1e-3f, 1e-4f, 0.001f) // the same
 {
     PathState state = draw_state();
     Ray ray = draw_ray();
@@ -78,7 +78,7 @@ TWIN(environment, 1e-6f, 0.0f, 0.0f)
     give(environment_probability(scene, params));
     give(bsdf_sampling_weight(params, zero == 0u ? 0.0f : a, b));
 }
-TWIN(sample_direct, 1e-3f, 1e-4f, 0.001f)
+TWIN(sample_direct, 1e-3f, 1e-4f, 0.001f) // see sample_light
 {
     RenderParams params = draw_params();
     PathState state = draw_state();

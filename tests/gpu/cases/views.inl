@@ -26,7 +26,7 @@ TWIN_BUILTIN(view_value, 1e-3f, 1e-3f, 0.001f) // fract of a texture coordinate 
     if (nothing == 0u) hit = miss(ray.t_max);
     give(view_value(scene, params, view, ray, hit, steps));
 }
-TWIN(ambient_connection, 1e-3f, 1e-3f, 0.001f)
+TWIN(ambient_connection, 1e-3f, 1e-3f, 0.001f) // a direction in the surface
 {
     RenderParams params = draw_params();
     PathState state = draw_state();
@@ -34,7 +34,7 @@ TWIN(ambient_connection, 1e-3f, 1e-3f, 0.001f)
     Hit hit = draw_hit();
     give_connection(ambient_connection(scene, params, state, ray, hit));
 }
-TWIN_BUILTIN(first_hit, 1e-3f, 1e-4f, 0.001f)
+TWIN_BUILTIN(first_hit, 1e-3f, 1e-4f, 0.001f) // the normals switch sides
 {
     Ray ray = draw_ray();
     Hit hit = draw_hit();

@@ -4,7 +4,7 @@
 #include "tests/gpu/draw.h"
 #else
 
-TWIN_BUILTIN(shade_whitted, 1e-3f, 1e-3f, 0.005f)
+TWIN_BUILTIN(shade_whitted, 1e-3f, 1e-3f, 0.005f) // all branches of all materials
 {
     RenderParams params = draw_params();
     PathState state = draw_state();
@@ -22,7 +22,7 @@ TWIN_BUILTIN(shade_whitted, 1e-3f, 1e-3f, 0.005f)
     if (step.has_next_0 != 0u) give_camera_path(step.next_0);
     if (step.has_next_1 != 0u) give_camera_path(step.next_1);
 }
-TWIN_BUILTIN(whitted_connection, 1e-3f, 1e-3f, 0.002f)
+TWIN_BUILTIN(whitted_connection, 1e-3f, 1e-3f, 0.002f) // see sample_light
 {
     RenderParams params = draw_params();
     WhittedStep step;
