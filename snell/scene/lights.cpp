@@ -98,11 +98,7 @@ void build_alias_table(std::span<Light> lights, std::span<const double> powers)
     const std::size_t count = lights.size();
     if (count == 0) return;
     double total = 0.0;
-    std::size_t strongest = 0;
-    for (std::size_t i = 0; i < count; ++i) {
-        total += powers[i];
-        if (powers[i] > powers[strongest]) strongest = i;
-    }
+    for (const double power : powers) total += power;
     const bool uniform = !(total > 0.0) || !std::isfinite(total);
 
     // Weights with mean 1: each entry of the table holds 1, its own up to the threshold and another light's above.
@@ -123,12 +119,12 @@ void build_alias_table(std::span<Light> lights, std::span<const double> powers)
             small.push_back(l);
         }
     }
-    // What is left has weight 1 but for rounding, except that a light without power must not inherit an entry.
+    // What is left has weight 1 but for rounding. (It is never a light without power: the mean of the weights that are
+    // left is 1, so beside a 0 there is one well above 1.)
     for (const std::vector<uint>* rest : {&small, &large}) {
         for (const uint i : *rest) {
-            const bool dark = !uniform && powers[i] == 0.0;
-            lights[i].alias_threshold = dark ? 0.0f : 1.0f;
-            lights[i].alias = dark ? static_cast<uint>(strongest) : i;
+            lights[i].alias_threshold = 1.0f;
+            lights[i].alias = i;
         }
     }
 
