@@ -35,10 +35,12 @@ struct Channel
 struct Layers
 {
     std::vector<Channel> channels;
-    std::map<std::string, std::string> attributes;    // string attributes: version, command line, seed, ...
-    std::map<std::string, double> numbers;            // float attributes: spp, seconds
-    std::vector<float> world_to_camera, world_to_ndc; // 16 values each, row major, or empty
-    std::vector<float> alpha;                         // root channel A; empty: 1 everywhere
+    std::map<std::string, std::string> attributes; // string attributes: version, command line, seed, ...
+    std::map<std::string, double> numbers;         // float attributes: spp, seconds
+    // 16 values each, row by row, or empty. OpenEXR multiplies row vectors from the left: a translation is in the last
+    // row.
+    std::vector<float> world_to_camera, world_to_ndc;
+    std::vector<float> alpha; // root channel A; empty: 1 everywhere
 };
 
 } // namespace snell
