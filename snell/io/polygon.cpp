@@ -38,6 +38,7 @@ vec3 polygon_normal(std::span<const vec3> corners)
 std::span<const uvec3> Triangulator::operator()(std::span<const vec3> corners)
 {
     triangles_.clear();
+    tests_ = 0;
     const std::size_t count = corners.size();
     if (count < 3) return triangles_;
     if (count == 3) {
@@ -120,7 +121,7 @@ void Triangulator::unlink(uint b)
 // corners can be the first to do so.
 bool Triangulator::is_ear(uint b)
 {
-    if (tests_left_ > 0) --tests_left_;
+    ++tests_;
     if (!convex_[b]) return false;
     const uint a = previous_[b], c = next_[b];
     const auto same = [&](uint i, uint j) { return points_[i].x == points_[j].x && points_[i].y == points_[j].y; };
@@ -128,7 +129,7 @@ bool Triangulator::is_ear(uint b)
     const auto leads_inside = [&](uint o, uint l, uint r, uint j) { return turn(o, l, j) > 0 && turn(o, j, r) > 0; };
 
     for (std::size_t k = 0; k < concave_.size();) {
-        if (tests_left_ > 0) --tests_left_;
+        ++tests_;
         const uint p = concave_[k];
         if (removed_[p] || convex_[p]) { // out of date
             concave_[k] = concave_.back();
@@ -167,10 +168,10 @@ void Triangulator::clip()
         update(i);
         if (!convex_[i]) concave_.push_back(i);
     }
-    tests_left_ = tests_per_corner * count;
+    const std::size_t most_tests = std::size_t{tests_per_corner} * count;
 
     uint left = count, corner = 0, tried = 0;
-    while (left > 3 && tests_left_ > 0) {
+    while (left > 3 && tests_ < most_tests) {
         if (is_ear(corner)) {
             add(previous_[corner], corner, next_[corner]);
             unlink(corner);

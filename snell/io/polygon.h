@@ -27,6 +27,9 @@ class Triangulator
     // The triangles as indices into `corners`; valid until the next call. Fewer than three corners: none.
     std::span<const uvec3> operator()(std::span<const vec3> corners);
 
+    // How many point tests the last polygon took: a measure of time that is the same on every machine.
+    std::size_t tests() const { return tests_; }
+
   private:
     struct Point
     {
@@ -49,7 +52,7 @@ class Triangulator
     std::vector<unsigned char> removed_; // by corner
     std::vector<uint> rest_;
     std::vector<uvec3> triangles_;
-    std::size_t tests_left_ = 0;
+    std::size_t tests_ = 0;
 };
 
 } // namespace snell

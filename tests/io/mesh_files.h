@@ -42,6 +42,8 @@ class Folder
         return path_ / name;
     }
 
+    void write_folder(const std::string& name) const { std::filesystem::create_directory(path_ / name); }
+
   private:
     std::filesystem::path path_;
 };

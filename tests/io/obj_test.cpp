@@ -224,12 +224,14 @@ TEST(Obj, Textures)
     // A TGA of one red texel.
     const std::string tga("\0\0\2\0\0\0\0\0\0\0\0\0\1\0\1\0\x18\0\0\0\xff", 21);
     folder.write("Red Brick.tga", tga);
+    folder.write_folder("Maps");
+    folder.write("Maps/Blue.tga", tga);
     folder.write("a.mtl",
                  "newmtl a\nmap_Kd -clamp on textures\\red brick.TGA\nnewmtl b\nKd 0 0 0\nmap_Kd \"Red Brick.tga\"\n"
                  "newmtl c\nKd .5 .5 .5\nmap_Kd missing.png\nmap_bump bump.png\nnewmtl d\nmap_Kd missing.png\n"
-                 "newmtl e\nmap_Kd a.mtl\n");
+                 "newmtl e\nmap_Kd a.mtl\nnewmtl f\nmap_Kd MAPS/blue.TGA\n");
     std::string faces;
-    for (const char* name : {"a", "b", "c", "d", "e"}) faces += fmt::format("usemtl {}\nf 1/1 2/2 3/3\n", name);
+    for (const char* name : {"a", "b", "c", "d", "e", "f"}) faces += fmt::format("usemtl {}\nf 1/1 2/2 3/3\n", name);
     const Scene scene = load_scene(folder.write("a.obj", corners + "vt 0 0\nvt 1 0\nvt 1 1\nmtllib a.mtl\n" + faces));
     const auto image = [&](const char* name) {
         return scene.images.at(find_material(scene, name)->base_texture.value);
@@ -242,6 +244,7 @@ TEST(Obj, Textures)
     EXPECT_EQ(image("c").width, 8u);
     EXPECT_EQ(find_material(scene, "c")->base_texture, find_material(scene, "d")->base_texture);
     EXPECT_EQ(image("e").width, 8u);
+    EXPECT_EQ(image("f").width, 1u);
     EXPECT_TRUE(has_note(scene, "the texture 'missing.png' is not there; a magenta checkerboard"));
     EXPECT_EQ(std::count_if(scene.notes.begin(), scene.notes.end(),
                             [](const Note& n) { return n.text.find("missing.png") != std::string::npos; }),

@@ -2,7 +2,6 @@
 
 #include <gtest/gtest.h>
 
-#include <chrono>
 #include <cmath>
 #include <random>
 
@@ -148,16 +147,15 @@ TEST(Polygon, HugePolygonsTakeLinearTime)
     const double area = 0.5 * length(polygon_normal(large));
     EXPECT_NEAR(area_of(large, triangulate(large)), area, 1e-3 * area);
 
-    // A comb with 100,000 teeth would take hours by plain ear clipping.
+    // A comb with 10,000 teeth: by plain ear clipping the time grows with the square of their number.
     std::vector<vec3> comb;
-    for (int i = 0; i < 100000; ++i) {
+    for (int i = 0; i < 10000; ++i) {
         const float x = static_cast<float>(i);
         comb.push_back(vec3(x, 0, 0)), comb.push_back(vec3(x + 0.5f, 1000, 0));
     }
-    comb.push_back(vec3(100000, 2000, 0)), comb.push_back(vec3(0, 2000, 0));
-    const auto start = std::chrono::steady_clock::now();
-    EXPECT_GT(triangulate(comb).size(), 100000u);
-    EXPECT_LT(std::chrono::steady_clock::now() - start, std::chrono::seconds(20));
+    comb.push_back(vec3(10000, 2000, 0)), comb.push_back(vec3(0, 2000, 0));
+    EXPECT_GT(triangulate(comb).size(), 10000u);
+    EXPECT_LT(triangulate.tests(), (Triangulator::tests_per_corner + 2) * comb.size());
 }
 
 } // namespace

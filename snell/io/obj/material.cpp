@@ -50,6 +50,13 @@ void for_each_line(std::string_view text, const Use& use)
     }
 }
 
+std::string lower(std::string text)
+{
+    for (char& c : text)
+        if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
+    return text;
+}
+
 // 8 x 8 squares that nobody takes for the real thing.
 Image checkerboard(const std::string& name)
 {
@@ -129,7 +136,7 @@ void MaterialLibrary::warn(std::string text)
 
 // The file that a name in an OBJ or MTL file means: relative to the OBJ file's folder, with Windows' separators and
 // letter case forgiven; a path from somebody else's disk may have its last part here. Empty if there is none.
-fs::path MaterialLibrary::locate(const std::string& name) const
+fs::path MaterialLibrary::locate(const std::string& name)
 {
     std::string path = name;
     if (path.size() >= 2 && path.front() == '"' && path.back() == '"') path = path.substr(1, path.size() - 2);
@@ -141,28 +148,41 @@ fs::path MaterialLibrary::locate(const std::string& name) const
     for (const fs::path& candidate : {folder_ / path, folder_ / last})
         if (fs::is_regular_file(candidate, error)) return candidate;
 
-    const auto lower = [](std::string text) {
-        for (char& c : text)
-            if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
-        return text;
-    };
-    for (const fs::path& place : {(folder_ / path).parent_path(), folder_})
-        for (fs::directory_iterator entry(place.empty() ? "." : place, error), end; !error && entry != end;
-             entry.increment(error))
-            if (lower(entry->path().filename().string()) == lower(last) && entry->is_regular_file(error))
-                return entry->path();
+    // Part by part, each as it is written or else in other letters.
+    for (const fs::path& wanted : {fs::path(path), fs::path(last)}) {
+        fs::path found = folder_;
+        for (const fs::path& part : wanted) {
+            if (fs::path exact = found / part; fs::exists(exact, error)) {
+                found = std::move(exact);
+                continue;
+            }
+            const auto& names = names_in(found);
+            const auto entry = names.find(lower(part.string()));
+            if (entry == names.end()) break;
+            found /= entry->second;
+        }
+        if (lower(found.filename().string()) == lower(last) && fs::is_regular_file(found, error)) return found;
+    }
     return {};
+}
+
+// The names in a folder by their lower-case form; read once.
+const std::unordered_map<std::string, std::string>& MaterialLibrary::names_in(const fs::path& folder)
+{
+    const auto [entry, is_new] = folders_.try_emplace(folder.string());
+    if (!is_new) return entry->second;
+    std::error_code error;
+    for (fs::directory_iterator item(folder.empty() ? "." : folder, error), end; !error && item != end;
+         item.increment(error)) {
+        const std::string name = item->path().filename().string();
+        entry->second.emplace(lower(name), name);
+    }
+    return entry->second;
 }
 
 void MaterialLibrary::load(std::string_view names, const std::string& place)
 {
     if (!asked_.emplace(names).second) return;
-    constexpr std::size_t most_libraries = 1000; // each costs a look into the folder
-    if (asked_.size() > most_libraries) {
-        if (!noted_limit_) warn(fmt::format("{}: from here on no more material libraries are read", place));
-        noted_limit_ = true;
-        return;
-    }
     if (const fs::path whole = locate(std::string(names)); !whole.empty()) {
         load_file(whole);
         return;

@@ -61,7 +61,8 @@ class MaterialLibrary
     bool load_file(const std::filesystem::path& file);
     std::string sanitize(const Source& source, Statements& has);
     Index<Image> texture(std::string name, bool clamps, const Source& source);
-    std::filesystem::path locate(const std::string& name) const;
+    std::filesystem::path locate(const std::string& name);
+    const std::unordered_map<std::string, std::string>& names_in(const std::filesystem::path& folder);
     void warn(std::string text);
 
     Scene& scene_;
@@ -69,10 +70,10 @@ class MaterialLibrary
     std::set<std::string, std::less<>> asked_; // what `mtllib` lines said
     std::set<std::filesystem::path> loaded_;
     std::unordered_map<std::string, Source> sources_;
+    std::unordered_map<std::string, std::unordered_map<std::string, std::string>> folders_;
     std::map<std::pair<std::string, bool>, Index<Image>> textures_;
     bool misses_library_ = false;
     bool noted_maps_ = false;
-    bool noted_limit_ = false;
 };
 
 } // namespace snell::obj
