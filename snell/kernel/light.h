@@ -38,13 +38,17 @@ SNELL_FN float spot_falloff(Light light, float cos_angle)
     return x * x * (3.0f - 2.0f * x);
 }
 
-// 1 - cos of the cone in which a sphere light is seen from a point outside; negative if the point is inside.
+// 1 - cos of the cone in which a sphere light is seen from a point outside; negative if the point is inside. Points on
+// the sphere itself count as inside, however they are rounded: one on the inner wall of a sphere that shines inwards
+// must not be taken for one outside. Where only the outside shines, the margin is as thin as floats allow, for a floor
+// that the sphere touches lies in it.
 SNELL_FN float sphere_cone(Light light, vec3 point)
 {
     vec3 d = light.position - point;
     float d2 = dot(d, d);
     float r2 = light.cos_inner * light.cos_inner;
-    if (d2 <= r2 * 1.0001f) return -1.0f;
+    float margin = light.two_sided != 0u ? 1.0001f : 1.000002f;
+    if (d2 <= r2 * margin) return -1.0f;
     float sin2 = r2 / d2;
     return sin2 / (1.0f + sqrt(1.0f - sin2));
 }
@@ -108,13 +112,10 @@ SNELL_FN LightSample sample_sphere_light(Light light, vec3 point, vec2 u)
         Frame frame = make_frame(d / sqrt(distance2));
         vec3 w = sample_uniform_cone(u, cone);
         s.direction = to_world(frame, w);
-        // The nearer point of the sphere on that ray, as seen from the centre (pbrt-v4, 6.2.4).
-        float sin2_max = radius * radius / distance2;
+        // The nearer point of the sphere on that ray, put back onto the sphere, which the sum misses from far away.
         float sin2 = w.x * w.x + w.y * w.y;
-        float cos_alpha = sin2 / sqrt(sin2_max) + w.z * safe_sqrt(1.0f - sin2 / sin2_max);
-        float sin_alpha = safe_sqrt(1.0f - cos_alpha * cos_alpha);
-        float rim = sqrt(max(sin2, 1e-30f));
-        vec3 n = to_world(frame, vec3(w.x / rim * sin_alpha, w.y / rim * sin_alpha, -cos_alpha));
+        float along = sqrt(distance2) * w.z - safe_sqrt(radius * radius - distance2 * sin2);
+        vec3 n = normalize(along * s.direction - d);
         s.target = offset_point(light.position + radius * n, n);
         s.radiance = light.emission;
         s.pdf = pdf_uniform_cone(cone);
@@ -129,7 +130,7 @@ SNELL_FN LightSample sample_sphere_light(Light light, vec3 point, vec2 u)
     s.direction = to / sqrt(d2);
     float cosine = abs(dot(s.direction, n));
     if (cosine <= 0.0f) return s;
-    s.target = offset_point(light.position + radius * n, -n);
+    s.target = offset_toward(light.position + radius * n, n, -s.direction);
     s.radiance = light.emission;
     s.pdf = d2 / (cosine * 4.0f * pi * radius * radius);
     return s;
@@ -151,6 +152,7 @@ SNELL_FN float pdf_light(Light light, vec3 point, vec3 hit, vec3 normal)
     if (light.kind == light_sphere) {
         float cone = sphere_cone(light, point);
         if (cone > 0.0f) return pdf_uniform_cone(cone);
+        if (light.two_sided == 0u) return 0.0f; // as in sample_sphere_light
     } else if (light.kind != light_triangle) {
         return 0.0f;
     }

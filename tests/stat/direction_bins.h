@@ -41,14 +41,14 @@ class DirectionBins
     }
 
     // Integral of the density over each cell; the last one is 0. A cell is cut in four, and its parts again, until that
-    // changes a part by less than `tolerance`.
-    std::vector<double> integrate(const Density& density, double tolerance = 1e-7) const
+    // changes a part by less than `tolerance`, at least min_cuts times: densities with edges inside cells need some.
+    std::vector<double> integrate(const Density& density, double tolerance = 1e-7, int min_cuts = 0) const
     {
         std::vector<double> result;
         for (int ring = 0; ring < rings_; ++ring)
             for (int sector = 0; sector < sectors_; ++sector) {
                 const Cell cell{edge(ring), edge(ring + 1), turn(sector), turn(sector + 1)};
-                result.push_back(refine(density, cell, gauss(density, cell), tolerance, 16));
+                result.push_back(refine(density, cell, gauss(density, cell), tolerance, min_cuts, 16));
             }
         result.push_back(0);
         return result;
@@ -80,15 +80,17 @@ class DirectionBins
         return sum * (c.h1 - c.h0) * (c.p1 - c.p0);
     }
 
-    double refine(const Density& density, const Cell& c, double whole, double tolerance, int depth) const
+    double refine(const Density& density, const Cell& c, double whole, double tolerance, int min_cuts,
+                  int max_cuts) const
     {
         const double h = 0.5 * (c.h0 + c.h1), p = 0.5 * (c.p0 + c.p1);
         const Cell quarters[4] = {{c.h0, h, c.p0, p}, {h, c.h1, c.p0, p}, {c.h0, h, p, c.p1}, {h, c.h1, p, c.p1}};
         double parts[4], sum = 0;
         for (int i = 0; i < 4; ++i) sum += parts[i] = gauss(density, quarters[i]);
-        if (depth == 0 || std::abs(sum - whole) < tolerance) return sum;
+        if (max_cuts == 0 || (min_cuts <= 0 && std::abs(sum - whole) < tolerance)) return sum;
         sum = 0;
-        for (int i = 0; i < 4; ++i) sum += refine(density, quarters[i], parts[i], tolerance, depth - 1);
+        for (int i = 0; i < 4; ++i)
+            sum += refine(density, quarters[i], parts[i], tolerance, min_cuts - 1, max_cuts - 1);
         return sum;
     }
 
@@ -100,9 +102,9 @@ class DirectionBins
 // Draws `count` directions and compares where they fall with the density. A direction of (0, 0, 0) is "no sample": the
 // density may integrate to less than 1 by just as many.
 inline void expect_density(const DirectionBins& bins, const Density& density, const std::function<vec3()>& sample,
-                           int count)
+                           int count, double tolerance = 1e-7, int min_cuts = 0)
 {
-    std::vector<double> expected = bins.integrate(density);
+    std::vector<double> expected = bins.integrate(density, tolerance, min_cuts);
     double total = 0;
     for (double& e : expected) total += e, e *= count;
     EXPECT_LE(total, 1 + 2e-4) << "the density integrates to more than 1";
