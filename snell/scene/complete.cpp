@@ -180,15 +180,15 @@ static void add_light(Scene& scene)
     const vec3 right = normalize(cross(forward, camera.up));
     const vec3 up = cross(right, forward);
 
-    scene.environment = vec3(0.6f);
+    scene.environment = vec3(0.4f);
     LightDesc light;
     light.name = "added";
     light.kind = light_directional;
     light.direction = normalize(0.55f * right - 0.75f * up + 0.6f * forward);
-    light.emission = vec3(1.8f);
+    light.emission = vec3(1.5f);
     add(scene, light);
     note(scene, Note::Kind::info,
-         "no light: white light from everywhere (radiance 0.6) and a directional light (1.8) from above the camera's "
+         "no light: white light from everywhere (radiance 0.4) and a directional light (1.5) from above the camera's "
          "left were added");
 }
 

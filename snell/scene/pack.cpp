@@ -299,13 +299,24 @@ void Packer::plan_groups()
 
 // ---- the filling ----
 
+// Where a mesh has normals, they say which side is outside. The winding is made to agree, so that lights shine and
+// glass refracts on the side that the picture shows.
+static bool is_wound_against_normals(const Mesh& mesh, uvec3 t)
+{
+    if (mesh.normals.empty()) return false;
+    const vec3 p = mesh.positions[t.x];
+    const vec3 n = mesh.normals[t.x] + mesh.normals[t.y] + mesh.normals[t.z];
+    return dot(cross(mesh.positions[t.y] - p, mesh.positions[t.z] - p), n) < 0.0f;
+}
+
 void Packer::fill_triangles(const MeshPlacement& placement)
 {
     const Mesh& mesh = scene_.meshes[placement.mesh];
     const MeshPlan& plan = meshes_[placement.mesh];
-    const bool flip = placement.baked != nullptr && determinant(placement.baked->transform) < 0.0f;
+    const bool mirrored = placement.baked != nullptr && determinant(placement.baked->transform) < 0.0f;
     const auto put = [&](std::size_t from, std::size_t to, uint surface) {
         const uvec3 t = mesh.triangles[from] + uvec3(placement.first_vertex);
+        const bool flip = mirrored != is_wound_against_normals(mesh, mesh.triangles[from]);
         packed_.triangles[to] = flip ? Triangle{t.x, t.z, t.y, surface} : Triangle{t.x, t.y, t.z, surface};
     };
 

@@ -4,6 +4,9 @@
 #include "snell/kernel/ray.h"
 #include "snell/scene/lights.h"
 
+#include <algorithm>
+#include <cmath>
+#include <numeric>
 #include <utility>
 
 namespace snell {
@@ -84,6 +87,18 @@ static void make_area_lights(const Scene& scene, PackedScene& packed, const Pack
     }
 }
 
+// Half of the choices go by power, half to all lights alike: a weak light may be the one that is near.
+static std::vector<double> selection_weights(const std::vector<double>& powers)
+{
+    const double total = std::accumulate(powers.begin(), powers.end(), 0.0);
+    if (!(total > 0.0) || !std::isfinite(total)) return powers;
+    const auto shining = std::count_if(powers.begin(), powers.end(), [](double p) { return p > 0.0; });
+    std::vector<double> weights;
+    for (const double power : powers)
+        weights.push_back(power > 0.0 ? 0.5 * power / total + 0.5 / static_cast<double>(shining) : 0.0);
+    return weights;
+}
+
 void pack_lights(const Scene& scene, PackedScene& packed)
 {
     for (const LightDesc& desc : scene.lights) packed.lights.push_back(make_light(desc));
@@ -111,7 +126,7 @@ void pack_lights(const Scene& scene, PackedScene& packed)
     std::vector<double> powers(count);
     for (std::size_t i = 0; i < count; ++i)
         powers[i] = light_power(packed.lights[i], static_cast<double>(packed.radius));
-    build_alias_table(packed.lights, powers);
+    build_alias_table(packed.lights, selection_weights(powers));
 }
 
 } // namespace snell

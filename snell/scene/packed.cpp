@@ -23,8 +23,7 @@ SceneView PackedScene::view() const
     v.srgb.at = srgb.data();
     v.light_count = static_cast<uint>(lights.size());
     const auto is_area_light = [](const Light& light) { return light.kind >= light_triangle; };
-    v.delta_light_count =
-        static_cast<uint>(std::find_if(lights.begin(), lights.end(), is_area_light) - lights.begin());
+    v.delta_light_count = static_cast<uint>(std::find_if(lights.begin(), lights.end(), is_area_light) - lights.begin());
     v.plane_count = static_cast<uint>(planes.size());
     v.environment = environment;
     v.scene_radius = radius;

@@ -293,4 +293,24 @@ TEST(Pack, IsLean)
 }
 
 } // namespace
+TEST(Pack, WindingFollowsTheNormals)
+{
+    Scene scene;
+    MaterialDesc glow;
+    glow.emission = vec3(1.0f);
+    Mesh mesh;
+    mesh.positions = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {1, 1, 0}};
+    mesh.normals.assign(4, vec3(0, 0, -1));
+    mesh.triangles = {{0, 1, 2}, {1, 2, 3}}; // the first one is wound towards +Z, the second one towards -Z
+    mesh.material = add(scene, glow);
+    for (const float side : {1.0f, -1.0f}) { // as it is, and mirrored
+        Scene one = scene;
+        place(one, mesh, scaling({side, 1, 1}));
+        validate(one);
+        const PackedScene packed = pack(one);
+        ASSERT_EQ(packed.lights.size(), 2u);
+        for (const Light& light : packed.lights) EXPECT_LT(cross(light.direction, light.edge).z, 0.0f) << side;
+    }
+}
+
 } // namespace snell
