@@ -303,6 +303,9 @@ TEST(Obj, NastyFilesTakeLittleTimeAndMemory)
     for (int i = 0; i < 20000; ++i) pile += fmt::format("vt {} 0\n", i);
     for (int i = 1; i < 20000; ++i) pile += fmt::format("f 1/{0} 2/{0} 3/{0}\n", i);
     EXPECT_EQ(triangle_count(load(pile)), 19999u);
+    std::string mac = pile;
+    std::replace(mac.begin(), mac.end(), '\n', '\r');
+    EXPECT_EQ(triangle_count(load(mac)), 19999u);
 }
 
 TEST(Obj, DamagedFilesEndInASceneOrAnError)

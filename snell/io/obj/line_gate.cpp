@@ -2,6 +2,8 @@
 
 #include "snell/io/text_cursor.h"
 
+#include <cstring>
+
 namespace snell::obj {
 namespace {
 
@@ -78,6 +80,7 @@ bool is_corner(std::string_view word)
 LineGate::LineGate(const std::string& file, std::string& text, Document& document)
     : file_(file), text_(text), document_(document)
 {
+    next_feed_ = text_.find('\n');
     if (text_.starts_with("\xEF\xBB\xBF")) offset_ = 3; // a byte order mark
     material_ = number_of(document_.materials, material_numbers_, "");
     object_ = number_of(document_.objects, object_numbers_, "");
@@ -99,7 +102,13 @@ bool LineGate::next_line()
 
     joined_.clear();
     for (;;) {
-        std::size_t end = text_.find_first_of("\r\n", offset_);
+        // find_first_of would call memchr for every character. In files with carriage returns only, the next line feed
+        // is at the end of the text: look for it once.
+        if (next_feed_ < offset_) next_feed_ = text_.find('\n', offset_);
+        std::size_t end = next_feed_;
+        const char* const first = text_.data() + offset_;
+        if (const void* r = std::memchr(first, '\r', std::min(end, text_.size()) - offset_))
+            end = offset_ + static_cast<std::size_t>(static_cast<const char*>(r) - first);
         const bool has_end = end != std::string::npos;
         if (!has_end) end = text_.size();
         const std::string_view line(text_.data() + offset_, end - offset_);

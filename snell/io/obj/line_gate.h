@@ -64,9 +64,10 @@ class LineGate : public std::streambuf
     std::string file_;
     std::string& text_;
     Document& document_;
-    std::size_t offset_ = 0;
-    std::string joined_;     // a line that is not in the text as it is handed on
-    std::string_view shown_; // the line at hand
+    std::size_t offset_ = 0;    // of the next line in the text
+    std::size_t next_feed_ = 0; // of the first line feed from there on
+    std::string joined_;        // a line that is not in the text as it is handed on
+    std::string_view shown_;    // the line at hand
     int line_ = 0, lines_in_last_ = 1;
 
     int non_finite_ = 0;
