@@ -118,16 +118,12 @@ void Triangulator::unlink(uint b)
 }
 
 // Is the triangle at b part of the polygon? It is if b is convex and no other corner reaches into it; only concave
-// corners can be the first to do so.
+// corners can be the first to do so. One that just touches counts as well: it may be where the polygon folds back.
 bool Triangulator::is_ear(uint b)
 {
     ++tests_;
     if (!convex_[b]) return false;
     const uint a = previous_[b], c = next_[b];
-    const auto same = [&](uint i, uint j) { return points_[i].x == points_[j].x && points_[i].y == points_[j].y; };
-    // Does the direction from corner i (at the tip o of the triangle) to j lead into the triangle's angle o, l, r?
-    const auto leads_inside = [&](uint o, uint l, uint r, uint j) { return turn(o, l, j) > 0 && turn(o, j, r) > 0; };
-
     for (std::size_t k = 0; k < concave_.size();) {
         ++tests_;
         const uint p = concave_[k];
@@ -137,17 +133,8 @@ bool Triangulator::is_ear(uint b)
             continue;
         }
         ++k;
-        if (p == a || p == c || turn(a, b, p) < 0 || turn(b, c, p) < 0 || turn(c, a, p) < 0) continue;
-        // A corner on the triangle's own corner is in the way only if the boundary goes on into the triangle.
-        const uint before = previous_[p], after = next_[p];
-        bool in_the_way = true;
-        if (same(p, a))
-            in_the_way = leads_inside(a, b, c, before) || leads_inside(a, b, c, after);
-        else if (same(p, b))
-            in_the_way = leads_inside(b, c, a, before) || leads_inside(b, c, a, after);
-        else if (same(p, c))
-            in_the_way = leads_inside(c, a, b, before) || leads_inside(c, a, b, after);
-        if (in_the_way) return false;
+        if (p == a || p == c) continue;
+        if (turn(a, b, p) >= 0 && turn(b, c, p) >= 0 && turn(c, a, p) >= 0) return false;
     }
     return true;
 }

@@ -184,6 +184,7 @@ TEST(Obj, MaterialKinds)
     EXPECT_NEAR(veil.base_color.y, 0.5f, 1e-6f);
     EXPECT_EQ(material("Tr 0.5\nNi 1.3\n").ior, 1.3f);
     EXPECT_EQ(material("d -halo 1.0\n").kind, material_diffuse);
+    EXPECT_NEAR(material("Kd 1 0 0\nd -halo 0.75\n").base_color.y, 0.5f, 1e-6f);
 
     const MaterialDesc metal = material("Kd 1 0.8 0.2\nPm 1\nPr 0.3\n");
     EXPECT_EQ(metal.kind, material_mix);

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <random>
 
@@ -96,6 +97,23 @@ TEST(Polygon, CornersOnStraightLines)
 TEST(Polygon, HoleCutOpenByABridge)
 {
     expect_cut(flat({{0, 0}, {4, 0}, {4, 4}, {0, 4}, {0, 0}, {1, 1}, {1, 3}, {3, 3}, {3, 1}, {1, 1}}), 8);
+}
+
+TEST(Polygon, HolesCutOpenFromOneCorner)
+{
+    // A square with four square holes, each joined to the square's first corner, which so coincides with four others.
+    std::vector<vec3> corners = flat({{0, 0}, {9, 0}, {9, 9}, {0, 9}});
+    for (const vec2 at : {vec2(1, 6), vec2(3, 4.5f), vec2(4.5f, 3), vec2(6, 1)}) {
+        corners.push_back(vec3(0));
+        for (const vec2 step : {vec2(0, 0), vec2(0, 1), vec2(1, 1), vec2(1, 0), vec2(0, 0)})
+            corners.push_back(vec3(at + step, 0.0f));
+    }
+    EXPECT_FLOAT_EQ(length(polygon_normal(corners)), 2 * (81.0f - 4.0f));
+    for (std::size_t i = 0; i < corners.size(); ++i) {
+        SCOPED_TRACE(i);
+        expect_cut(corners, corners.size() - 2);
+        std::rotate(corners.begin(), corners.begin() + 1, corners.end());
+    }
 }
 
 TEST(Polygon, AreaIsKeptOnRandomPolygonsInRandomPlanes)
