@@ -5,7 +5,6 @@
 #include "snell/kernel/lang.h"
 
 #include <hwy/highway.h>
-#include <oneapi/tbb/task_group.h>
 
 #include <algorithm>
 #include <array>
@@ -345,10 +344,8 @@ class Builder
         if (scratch.empty() && is_big(begin, end)) scratch.resize(refs.size()); // the root's, before any task
         piece->nodes.push_back({extents.box.box(), 0, 0});
         const std::size_t middle = split(begin, end, extents, depth);
-        tbb::task_group tasks;
-        tasks.run([&] { piece->left = build_piece(begin, middle, extents_of(begin, middle), depth + 1); });
-        piece->right = build_piece(middle, end, extents_of(middle, end), depth + 1);
-        tasks.wait();
+        parallel_both([&] { piece->left = build_piece(begin, middle, extents_of(begin, middle), depth + 1); },
+                      [&] { piece->right = build_piece(middle, end, extents_of(middle, end), depth + 1); });
         return piece;
     }
 

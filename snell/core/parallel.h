@@ -17,4 +17,8 @@ void parallel_for(std::size_t count, const std::function<void(std::size_t)>& bod
 // Calls body(begin, end) on ranges that cover [0, count), each at least `grain` long where possible.
 void parallel_ranges(std::size_t count, std::size_t grain, const std::function<void(std::size_t, std::size_t)>& body);
 
+// Calls both, perhaps at the same time, and returns when both are done. For recursion: calls may nest. If both throw,
+// one of the exceptions is thrown here.
+void parallel_both(const std::function<void()>& first, const std::function<void()>& second);
+
 } // namespace snell
