@@ -17,8 +17,8 @@ struct MaterialPoint
     vec3 base_color;
     uint kind;     // material_*
     vec3 specular; // mix: specular reflectance; conductor: eta
-    float alpha;
-    vec3 k; // conductor: k; dielectric: absorption
+    float alpha;   // GGX roughness, 0: smooth; always 0 for a dielectric with an ior of 1 (within 1e-3)
+    vec3 k;        // conductor: k; dielectric: absorption
     float ior;
 };
 
@@ -118,7 +118,7 @@ SNELL_FN vec3 dielectric_half_vector(vec3 wo, vec3 wi, float eta)
 {
     vec3 h = wo.z * wi.z > 0.0f ? wo + wi : wi * eta + wo;
     float l2 = dot(h, h);
-    if (wo.z == 0.0f || wi.z == 0.0f || l2 < 1e-20f) return vec3(0.0f);
+    if (wo.z == 0.0f || wi.z == 0.0f || l2 < 1e-12f) return vec3(0.0f);
     h = h / sqrt(l2);
     if (h.z < 0.0f) h = -h;
     // a facet seen from behind

@@ -162,6 +162,8 @@ SNELL_FN MaterialPoint material_point(SNELL_IN(SceneView) scene, Material materi
     }
     m.specular = material.specular;
     m.alpha = material.alpha;
+    // between equal media there is nothing to scatter at, however rough it is
+    if (m.kind == material_dielectric && abs(material.ior - 1.0f) < 1e-3f) m.alpha = 0.0f;
     m.k = material.absorption;
     m.ior = material.ior;
     return m;

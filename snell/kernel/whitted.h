@@ -11,6 +11,12 @@ SNELL_BEGIN
 // than 1, it also bounds the number of rays alive a sample by 1 / whitted_cutoff.
 SNELL_CONST float whitted_cutoff = 1.0f / 256.0f;
 
+// Inside glass radiance is scaled by 1 / eta^2 until it comes out again: that is no loss.
+SNELL_FN bool is_worth_following(PathState state)
+{
+    return max3(state.throughput) * state.eta_scale > whitted_cutoff;
+}
+
 struct WhittedStep
 {
     vec3 emitted;
@@ -41,18 +47,17 @@ SNELL_FN WhittedStep shade_whitted(SNELL_IN(SceneView) scene, SNELL_IN(RenderPar
     }
     if (arriving.medium != none)
         step.state.throughput =
-            arriving.throughput * medium_transmittance(scene, arriving.medium, hit.t * length(ray.direction));
+            arriving.throughput * medium_transmittance(scene, arriving.medium, hit.t);
     Vertex v = make_vertex(scene, ray, hit);
     step.vertex = v;
     if (counts_emission) step.emitted = step.state.throughput * v.emission;
-    if (arriving.depth >= params.max_depth) return step;
 
     if (has_smooth_part(v.material)) {
         step.light_tasks = scene.delta_light_count;
         if (scene.light_count > scene.delta_light_count) step.light_tasks += 1u;
         if (!is_black(scene.environment)) step.light_tasks += 1u;
     }
-    if (v.material.kind == material_diffuse || v.wo.z == 0.0f) return step;
+    if (arriving.depth >= params.max_depth || v.material.kind == material_diffuse || v.wo.z == 0.0f) return step;
 
     SampleKey key = state_key(params, step.state);
     if (v.material.kind == material_dielectric && v.material.alpha == 0.0f) {
@@ -60,13 +65,12 @@ SNELL_FN WhittedStep shade_whitted(SNELL_IN(SceneView) scene, SNELL_IN(RenderPar
         BsdfSample s0 = sample_smooth_dielectric(v.material, v.wo, 0.0f);
         s0.weight = s0.weight * s0.pdf;
         step.next_0 = scatter(scene, step.state, v, s0);
-        step.has_next_0 = max3(step.next_0.state.throughput) > whitted_cutoff ? 1u : 0u;
+        step.has_next_0 = is_worth_following(step.next_0.state) ? 1u : 0u;
         if (s0.pdf < 1.0f) {
             BsdfSample s1 = sample_smooth_dielectric(v.material, v.wo, 1.0f);
             s1.weight = s1.weight * s1.pdf;
             step.next_1 = scatter(scene, step.state, v, s1);
-            step.has_next_1 =
-                max3(step.next_1.state.throughput) * step.next_1.state.eta_scale > whitted_cutoff ? 1u : 0u;
+            step.has_next_1 = is_worth_following(step.next_1.state) ? 1u : 0u;
         }
         return step;
     }
@@ -81,7 +85,7 @@ SNELL_FN WhittedStep shade_whitted(SNELL_IN(SceneView) scene, SNELL_IN(RenderPar
     if (s.pdf == 0.0f) return step;
     step.next_0 = scatter(scene, step.state, v, s);
     if (s.wi.z * dot(v.surface.geometric_normal, step.next_0.ray.direction) <= 0.0f) return step;
-    step.has_next_0 = max3(step.next_0.state.throughput) > whitted_cutoff ? 1u : 0u;
+    step.has_next_0 = is_worth_following(step.next_0.state) ? 1u : 0u;
     return step;
 }
 
