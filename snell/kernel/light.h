@@ -84,7 +84,7 @@ SNELL_FN LightSample sample_triangle_light(Light light, vec3 point, vec2 u)
     LightSample s = no_light_sample();
     vec2 b = sample_triangle(u);
     vec3 q = light.position + b.x * light.direction + b.y * light.edge;
-    vec3 n = normalize(cross(light.direction, light.edge));
+    vec3 n = light.normal;
     vec3 d = q - point;
     float d2 = dot(d, d);
     if (!(d2 > 0.0f)) return s;

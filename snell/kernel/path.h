@@ -84,7 +84,7 @@ SNELL_FN PathStep shade_path(SNELL_IN(SceneView) scene, SNELL_IN(RenderParams) p
         return step;
     }
     if (state.medium != none)
-        state.throughput = state.throughput * medium_transmittance(scene, state.medium, hit.t * length(ray.direction));
+        state.throughput = state.throughput * medium_transmittance(scene, state.medium, hit.t);
 
     Vertex v = make_vertex(scene, ray, hit);
     if (!is_black(v.emission) && (params.flags & render_furnace) == 0u) {

@@ -44,7 +44,7 @@ struct PathState
     uint depth;      // bounces so far
     uint medium;     // material of the dielectric that the ray is in, or none
     uint key_pixel;  // SampleKey::pixel
-    uint key_index;  // SampleKey::index
+    uint key_reversed_index; // SampleKey::reversed_index
 };
 SNELL_LAYOUT(PathState, 40)
 
@@ -63,7 +63,7 @@ SNELL_FN SampleKey state_key(SNELL_IN(RenderParams) params, SNELL_IN(PathState) 
     SampleKey key;
     key.kind = params.sampler_kind;
     key.pixel = state.key_pixel;
-    key.index = state.key_index;
+    key.reversed_index = state.key_reversed_index;
     return key;
 }
 
@@ -98,7 +98,7 @@ SNELL_FN CameraPath generate_camera_path(SNELL_IN(RenderParams) params, uint x, 
     path.state.depth = 0u;
     path.state.medium = none;
     path.state.key_pixel = key.pixel;
-    path.state.key_index = key.index;
+    path.state.key_reversed_index = key.reversed_index;
     return path;
 }
 
@@ -112,6 +112,7 @@ struct Vertex
     vec3 emission; // radiance emitted back along the ray
 };
 
+// ray.direction has unit length.
 SNELL_FN Vertex make_vertex(SNELL_IN(SceneView) scene, Ray ray, Hit hit)
 {
     Vertex v;
@@ -119,7 +120,7 @@ SNELL_FN Vertex make_vertex(SNELL_IN(SceneView) scene, Ray ray, Hit hit)
     Material material = scene.materials.at[v.surface.material];
     v.material = material_point(scene, material, v.surface);
     v.frame = make_frame(v.surface.shading_normal);
-    vec3 back = -normalize(ray.direction);
+    vec3 back = -ray.direction;
     v.wo = to_local(v.frame, back);
     bool lit_side =
         dot(v.surface.geometric_normal, back) > 0.0f || (material.flags & material_two_sided_emission) != 0u;

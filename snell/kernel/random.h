@@ -12,9 +12,9 @@ SNELL_CONST uint sampler_sobol = 1u;       // Owen-scrambled Sobol points, padde
 // Which random number of which sample: made once a sample by make_sample_key.
 struct SampleKey
 {
-    uint kind;  // sampler_*
-    uint pixel; // hash of the pixel and the seed
-    uint index; // number of the sample in its pixel, from 0
+    uint kind;           // sampler_*
+    uint pixel;          // hash of the pixel and the seed
+    uint reversed_index; // number of the sample in its pixel, from 0, with its bits reversed
 };
 SNELL_LAYOUT(SampleKey, 12)
 
@@ -84,11 +84,12 @@ SNELL_FN uint sobol_1_reversed(uint index)
     return x ^ ((x >> 16) & 0x0000ffffu);
 }
 
-// Point `index` of the two-dimensional Sobol sequence, shuffled and Owen-scrambled by a hash (Burley 2020, Practical
+// A point of the two-dimensional Sobol sequence, shuffled and Owen-scrambled by a hash (Burley 2020, Practical
 // Hash-based Owen Scrambling), as 0.32 fixed point. The first dimension of Sobol is the reversed index.
-SNELL_FN uvec2 scrambled_sobol(uint index, uint hash)
+// Takes the index with its bits reversed: that is done once a sample, not once a number.
+SNELL_FN uvec2 scrambled_sobol(uint reversed_index, uint hash)
 {
-    uint shuffled = reverse_bits(owen_scramble_reversed(reverse_bits(index), hash));
+    uint shuffled = reverse_bits(owen_scramble_reversed(reversed_index, hash));
     uint x = owen_scramble_reversed(shuffled, hash_uint(hash ^ 0x9e3779b9u));
     uint y = owen_scramble_reversed(sobol_1_reversed(shuffled), hash_uint(hash ^ 0x7f4a7c15u));
     return uvec2(reverse_bits(x), reverse_bits(y));
@@ -99,7 +100,7 @@ SNELL_FN SampleKey make_sample_key(uint kind, uint pixel, uint index, uint seed)
     SampleKey key;
     key.kind = kind;
     key.pixel = hash_uint(pixel + hash_uint(seed));
-    key.index = index;
+    key.reversed_index = reverse_bits(index);
     return key;
 }
 
@@ -107,10 +108,10 @@ SNELL_FN SampleKey make_sample_key(uint kind, uint pixel, uint index, uint seed)
 SNELL_FN vec2 random_2d(SampleKey key, uint dimension)
 {
     if (key.kind == sampler_sobol) {
-        uvec2 s = scrambled_sobol(key.index, hash_uint(key.pixel + dimension * 0x9e3779b9u));
+        uvec2 s = scrambled_sobol(key.reversed_index, hash_uint(key.pixel + dimension * 0x9e3779b9u));
         return vec2(unit_float(s.x), unit_float(s.y));
     }
-    uvec3 r = pcg3d(uvec3(key.pixel, key.index, dimension));
+    uvec3 r = pcg3d(uvec3(key.pixel, key.reversed_index, dimension));
     return vec2(unit_float(r.x), unit_float(r.y));
 }
 

@@ -50,7 +50,7 @@ struct Light
     float select_pdf; // probability with which the light sampler chooses this light
     float alias_threshold; // alias method (Vose 1991): keep this entry if the fraction is below, else take alias
     uint alias;
-    uint pad0, pad1, pad2;
+    vec3 normal; // triangle: unit length, on the side that shines
 };
 SNELL_LAYOUT(Light, 96)
 

@@ -35,7 +35,7 @@ SNELL_FN vec3 view_value(SNELL_IN(SceneView) scene, SNELL_IN(RenderParams) param
     Vertex v = make_vertex(scene, ray, hit);
     if (view == view_normals) return 0.5f * v.surface.shading_normal + 0.5f;
     if (view == view_uv) return vec3(fract(v.surface.uv.x), fract(v.surface.uv.y), 0.0f);
-    if (view == view_depth) return vec3(hit.t * length(ray.direction) / (2.0f * scene.scene_radius));
+    if (view == view_depth) return vec3(hit.t / (2.0f * scene.scene_radius));
     return material_albedo(v.material);
 }
 
@@ -78,7 +78,7 @@ SNELL_FN FirstHit first_hit(SNELL_IN(SceneView) scene, SNELL_IN(Ray) ray, SNELL_
     f.geometric_normal = v.surface.geometric_normal;
     f.position = v.surface.position;
     f.uv = v.surface.uv;
-    f.depth = hit.t * length(ray.direction);
+    f.depth = hit.t;
     f.object = v.surface.object;
     f.material = v.surface.material;
     return f;

@@ -48,8 +48,10 @@ Light make_triangle_light(vec3 a, vec3 b, vec3 c, const Material& material, uint
     light.position = a;
     light.direction = b - a;
     light.edge = c - a;
-    light.cos_outer =
-        static_cast<float>(0.5 * glm::length(glm::cross(glm::dvec3(b) - glm::dvec3(a), glm::dvec3(c) - glm::dvec3(a))));
+    const glm::dvec3 cross = glm::cross(glm::dvec3(b) - glm::dvec3(a), glm::dvec3(c) - glm::dvec3(a));
+    const double area2 = glm::length(cross); // twice the area
+    light.cos_outer = static_cast<float>(0.5 * area2);
+    light.normal = area2 > 0.0 ? vec3(cross / area2) : vec3(0.0f);
     light.emission = material.emission;
     light.two_sided = material.flags & material_two_sided_emission ? 1u : 0u;
     light.primitive = primitive;

@@ -79,7 +79,7 @@ SNELL_FN_COLD PathState draw_state()
     s.medium = index_below(2u * scene_materials);
     if (s.medium >= scene_materials) s.medium = none;
     s.key_pixel = word();
-    s.key_index = word();
+    s.key_reversed_index = word();
     return s;
 }
 
@@ -138,7 +138,7 @@ SNELL_FN void give_state(PathState s)
     give(s.depth);
     give(s.medium);
     give(s.key_pixel);
-    give(s.key_index);
+    give(s.key_reversed_index);
 }
 SNELL_FN void give_camera_path(CameraPath p)
 {

@@ -95,6 +95,7 @@ Light make_light(Draw& draw, uint number)
         light.direction *= draw.range(0.1f, 2.0f);
         light.edge = draw.direction() * draw.range(0.1f, 2.0f);
         light.cos_outer = 0.5f * length(cross(light.direction, light.edge));
+        light.normal = normalize(cross(light.direction, light.edge));
         light.primitive = pack_primitive(kind_triangle, number);
     } else if (light.kind == light_sphere) {
         light.cos_inner = draw.range(0.01f, 0.8f);

@@ -34,8 +34,8 @@ TEST(Sobol, ElementaryIntervalsHoldOnePoint)
     for (uint k = 0; k <= 12; ++k)
         for (int repeat = 0; repeat < 4; ++repeat) {
             const uint hash = repeat == 0 ? 0u : draw.bits();
-            expect_net(k, 0, [&](uint i) { return scrambled_sobol(i, hash); });
-            expect_net(k, (draw.bits() >> 16) << k, [&](uint i) { return scrambled_sobol(i, hash); });
+            expect_net(k, 0, [&](uint i) { return scrambled_sobol(reverse_bits(i), hash); });
+            expect_net(k, (draw.bits() >> 16) << k, [&](uint i) { return scrambled_sobol(reverse_bits(i), hash); });
         }
 }
 
@@ -164,7 +164,7 @@ TEST(Sobol, IsANestedScramblingOfTheSequence)
         for (const int axis : {0, 1}) {
             std::vector<std::pair<uint, uint>> map;
             for (uint i = 0; i < 1024; ++i) {
-                const uvec2 p = scrambled_sobol(i, hash);
+                const uvec2 p = scrambled_sobol(reverse_bits(i), hash);
                 map.emplace_back(slow_sobol(shuffle(i), static_cast<uint>(axis)), axis == 0 ? p.x : p.y);
             }
             std::sort(map.begin(), map.end());

@@ -71,6 +71,7 @@ TWIN(layout_light, 0.0f, 0.0f, 0.0f)
     give(l.select_pdf);
     give(l.alias_threshold);
     give(l.alias);
+    give(l.normal);
 }
 TWIN(layout_geometry, 0.0f, 0.0f, 0.0f)
 {

@@ -22,7 +22,7 @@ TWIN(state_key, 0.0f, 0.0f, 0.0f)
     SampleKey key = state_key(params, state);
     give(key.kind);
     give(key.pixel);
-    give(key.index);
+    give(key.reversed_index);
     give(vertex_dimension(state.depth, state.slot & 3u));
     give(scatter_layer(state.depth));
 }

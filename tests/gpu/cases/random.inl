@@ -38,9 +38,9 @@ TWIN(sobol_1_reversed, 0.0f, 0.0f, 0.0f)
 }
 TWIN(scrambled_sobol, 0.0f, 0.0f, 0.0f)
 {
-    uint index = word();
+    uint reversed_index = word();
     uint hash = word();
-    give(scrambled_sobol(index, hash));
+    give(scrambled_sobol(reversed_index, hash));
 }
 TWIN(random_2d, 0.0f, 0.0f, 0.0f)
 {
@@ -52,7 +52,7 @@ TWIN(random_2d, 0.0f, 0.0f, 0.0f)
     SampleKey key = make_sample_key(kind, pixel, index, seed);
     give(key.kind);
     give(key.pixel);
-    give(key.index);
+    give(key.reversed_index);
     give(random_2d(key, dimension));
     give(random_1d(key, dimension));
 }
