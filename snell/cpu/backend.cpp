@@ -18,6 +18,8 @@ constexpr uint batch_paths = 2048;
 // Samples whose first hits are recorded: enough for smooth edges, few enough to cost nothing.
 constexpr uint first_hit_samples = 16;
 
+constexpr std::size_t max_dropped_pixels = 16;
+
 namespace {
 class CpuBackend final : public Backend
 {
@@ -99,6 +101,16 @@ void CpuBackend::render_tile(const Region& tile, uint first_sample, uint count, 
     give_batch(std::move(batch));
 }
 
+// Keeps the first pixels of the picture, in order: the same ones whatever the threads did.
+static void note_dropped(Film& film, std::uint64_t pixel)
+{
+    film.dropped_samples += 1;
+    const auto place = std::lower_bound(film.dropped.begin(), film.dropped.end(), pixel);
+    if (place != film.dropped.end() && *place == pixel) return;
+    film.dropped.insert(place, pixel);
+    if (film.dropped.size() > max_dropped_pixels) film.dropped.pop_back();
+}
+
 void CpuBackend::finalize(const Batch& batch, const Region& tile, uint first_sample, uint count, Film& film)
 {
     std::size_t slot = 0;
@@ -115,9 +127,7 @@ void CpuBackend::finalize(const Batch& batch, const Region& tile, uint first_sam
                                                 y, radiance.x, radiance.y, radiance.z),
                                     "render that pixel alone with --pixel to look at it, or leave out --strict");
                     const std::lock_guard lock(mutex_);
-                    film.dropped_samples += 1;
-                    if (film.dropped.size() < 16 && (film.dropped.empty() || film.dropped.back() != pixel))
-                        film.dropped.push_back(pixel);
+                    note_dropped(film, pixel);
                     continue;
                 }
                 film.sum[pixel] += radiance;

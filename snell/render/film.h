@@ -27,7 +27,7 @@ struct Film
     std::vector<float> square_sum;      // of squared luminance, for the variance
     std::vector<uint> sample_count;     // of each pixel
     FilmLayers layers;                  // vectors are empty unless RenderSettings::layers
-    std::vector<std::uint64_t> dropped; // (y * width + x) of pixels with non-finite samples, at most 16
+    std::vector<std::uint64_t> dropped; // (y * width + x) of the first 16 pixels with non-finite samples
     std::uint64_t dropped_samples = 0;
 
     Film() = default;

@@ -123,7 +123,6 @@ RenderResult render(const Prepared& prepared, const RenderSettings& settings, co
     result.stats.accel_bytes = prepared.accel->stats.bytes;
     result.stats.cancelled = stopped;
     report();
-    std::sort(result.film.dropped.begin(), result.film.dropped.end());
     return result;
 }
 

@@ -10,7 +10,6 @@
 
 namespace snell::test {
 
-
 inline double reference_d(double cos_m, double alpha)
 {
     if (cos_m <= 0) return 0;
