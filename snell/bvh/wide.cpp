@@ -34,7 +34,10 @@ class Converter
         first_triangles = wide.triangles.size();
         triangle_leaves.clear();
 
-        result.root.box = binary.nodes[0].box;
+        for (int axis = 0; axis < 3; ++axis) {
+            result.root.lower[axis] = binary.nodes[0].box.lower[axis];
+            result.root.upper[axis] = binary.nodes[0].box.upper[axis];
+        }
         const Visit visit = emit(0);
         result.root.word = visit.word;
         result.stack = visit.stack;
@@ -131,12 +134,15 @@ class Converter
         }
         // While a child is visited, all its siblings may be waiting.
         Visit visit{make_child(0, self), 0, tree->nodes[index].box.half_area()};
-        for (uint i = 0; i < count; ++i) {
-            const Visit child = emit(children[i]);
-            wide.nodes[self].child[i] = child.word; // emit() may have moved the nodes
-            visit.stack = std::max(visit.stack, count - 1 + child.stack);
-            visit.cost += child.cost;
-        }
+        // Leaves first: those of one node lie side by side.
+        for (const bool leaves : {true, false})
+            for (uint i = 0; i < count; ++i) {
+                if ((tree->nodes[children[i]].count > 0) != leaves) continue;
+                const Visit child = emit(children[i]);
+                wide.nodes[self].child[i] = child.word; // emit() may have moved the nodes
+                visit.stack = std::max(visit.stack, count - 1 + child.stack);
+                visit.cost += child.cost;
+            }
         return visit;
     }
 

@@ -1,6 +1,7 @@
 // The layout that the SIMD traversal reads: 8-wide nodes and blocks of primitives, two levels in one set of arrays.
 #pragma once
 
+#include "snell/bvh/big_pages.h"
 #include "snell/bvh/tree.h"
 #include "snell/scene/packed.h"
 
@@ -47,17 +48,17 @@ struct SphereBlock
 };
 
 // A tree of its own space: world, or that of one group.
-struct WideRoot
+struct alignas(16) WideRoot
 {
-    Box box; // empty: nothing to hit
-    ChildWord word = word_done;
+    float lower[4] = {}, upper[4] = {}; // of the box; the fourth components are 0
+    ChildWord word = word_done;         // word_done: nothing to hit
 };
 
 struct WideBvh
 {
-    std::vector<WideNode> nodes;
-    std::vector<TriangleBlock> triangles;
-    std::vector<SphereBlock> spheres;
+    BigVector<WideNode> nodes;
+    BigVector<TriangleBlock> triangles;
+    BigVector<SphereBlock> spheres;
     WideRoot world;
     std::vector<WideRoot> groups; // by Instance::group
 

@@ -31,11 +31,17 @@ SNELL_FN Intersection no_intersection(float t_max)
     return miss_all;
 }
 
+// abs() by clearing the sign bit: what compilers make of abs() may be a branch.
+SNELL_FN float magnitude(float x)
+{
+    return uintBitsToFloat(floatBitsToUint(x) & 0x7fffffffu);
+}
+
 // False for rays that hit nothing by definition: a NaN, an infinite origin, a direction of zero or beyond what float
 // arithmetic can divide by (largest component outside 2^-100 to 2^100), an empty interval.
 SNELL_FN bool is_traceable(Ray ray)
 {
-    float longest = max3(abs(ray.direction));
+    float longest = max(magnitude(ray.direction.x), max(magnitude(ray.direction.y), magnitude(ray.direction.z)));
     bool usable = is_finite3(ray.direction) && longest >= 7.8886090522101181e-31f && longest <= 1.2676506002282294e30f;
     return is_finite3(ray.origin) && usable && ray.t_min < ray.t_max;
 }
@@ -48,11 +54,19 @@ struct ShearedRay
     float sx, sy, sz;
 };
 
+// The axis along which a vector is longest. Which one it is is unpredictable, so there is no branch: three comparisons
+// make a number from 0 to 7, and the constant is a table of eight two-bit entries (2 2 2 0 1 2 1 0).
+SNELL_FN int longest_axis(vec3 d)
+{
+    vec3 a = vec3(magnitude(d.x), magnitude(d.y), magnitude(d.z));
+    int order = int(a.x >= a.y) + 2 * int(a.x >= a.z) + 4 * int(a.y >= a.z);
+    return (0x192a >> (2 * order)) & 3;
+}
+
 SNELL_FN ShearedRay shear_ray(Ray ray)
 {
-    vec3 a = abs(ray.direction);
     ShearedRay s;
-    s.kz = a.x >= a.y ? (a.x >= a.z ? 0 : 2) : (a.y >= a.z ? 1 : 2);
+    s.kz = longest_axis(ray.direction);
     s.kx = s.kz == 2 ? 0 : s.kz + 1;
     s.ky = s.kx == 2 ? 0 : s.kx + 1;
     s.sx = ray.direction[s.kx] / ray.direction[s.kz];
@@ -163,7 +177,7 @@ SNELL_FN Intersection intersect_triangle_moller_trumbore(Ray ray, vec3 v0, vec3 
 // vanish nor overflow.
 SNELL_FN Intersection intersect_sphere(Ray ray, vec3 center, float radius)
 {
-    float scale = 1.0f / max3(abs(ray.direction));
+    float scale = 1.0f / max(magnitude(ray.direction.x), max(magnitude(ray.direction.y), magnitude(ray.direction.z)));
     vec3 d = ray.direction * scale;
     vec3 f = ray.origin - center;
     float a = (d.x * d.x + d.y * d.y) + d.z * d.z;

@@ -20,21 +20,21 @@ enum class Query
     any
 };
 
-// The stacks of the rays in flight, each with room for everything the tree can ask for plus one vector of slack.
+// The stacks of the rays in flight, each with room for everything the tree can ask for and for whole vectors: first all
+// words, then, `stride` later, the bits of the distances at which the ray enters the boxes.
 class Stacks
 {
   public:
     Stacks(std::size_t rays, uint entries)
-        : stride((entries + 2 * node_width + 15) / 16 * 16), words(rays * stride), distances(rays * stride)
+        : stride((entries + 2 * node_width + 15) / 16 * 16), memory(2 * rays * stride)
     {
     }
-    ChildWord* word(std::size_t ray) { return words.data() + ray * stride; }
-    float* distance(std::size_t ray) { return distances.data() + ray * stride; }
+    ChildWord* stack(std::size_t ray) { return memory.data() + 2 * ray * stride; }
+
+    const std::size_t stride;
 
   private:
-    std::size_t stride;
-    std::vector<ChildWord> words;
-    std::vector<float> distances; // where the ray enters the box
+    std::vector<uint> memory;
 };
 
 // Lanes of a mask as bits.
@@ -46,77 +46,173 @@ HWY_INLINE uint mask_bits(D d, hn::Mask<D> mask)
     return bits[0];
 }
 
-HWY_INLINE uint leave_row(const RayState& s, uint axis)
+// Prepares for a tree in the space of `ray`, which is traceable; the root's box is not empty.
+HWY_INLINE void enter_space(RayState& s, const Ray& ray, const WideRoot& root, uint instance)
 {
-    return (3 + 2 * axis) * node_width - s.enter_row[axis];
+    const hn::FixedTag<float, 4> d; // x, y, z, and a lane of no meaning
+    const auto origin = hn::LoadU(d, &ray.origin.x);
+    const auto direction = hn::LoadU(d, &ray.direction.x);
+    const auto reciprocal = hn::Div(hn::Set(d, 1.0f), direction);
+    const auto lower = hn::Load(d, root.lower), upper = hn::Load(d, root.upper);
+    const auto distance = hn::Max(hn::Abs(hn::Sub(lower, origin)), hn::Abs(hn::Sub(upper, origin)));
+    const auto coordinate = hn::Max(hn::Abs(origin), hn::Max(hn::Abs(lower), hn::Abs(upper)));
+    alignas(16) float distances[4], coordinates[4];
+    hn::Store(distance, d, distances);
+    hn::Store(coordinate, d, coordinates);
+    const float reach = max(max(distances[0], distances[1]), distances[2]);
+    const float limit = 1e36f / (max(max(coordinates[0], coordinates[1]), coordinates[2]) + 1e-2f);
+
+    const auto relative = hn::Mul(hn::Abs(origin), hn::Set(d, 0x1p-22f));
+    const auto slack = hn::Add(relative, hn::Set(d, reach * 0x1p-21f + 1e-30f));
+    const auto along = hn::CopySign(slack, reciprocal);
+    const auto inverse = hn::Max(hn::Min(reciprocal, hn::Set(d, limit)), hn::Set(d, -limit));
+    hn::Store(inverse, d, s.inverse);
+    hn::Store(hn::Mul(hn::Add(origin, along), inverse), d, s.enter_term);
+    hn::Store(hn::Mul(hn::Sub(origin, along), inverse), d, s.leave_term);
+    s.octant = mask_bits(d, hn::Lt(reciprocal, hn::Zero(d))) & 7u;
+    s.instance = instance;
+    s.ray = ray;
+
+    // shear_ray(), from arrays: vec3's operator[] branches.
+    alignas(16) float o[4], r[4], v[4];
+    hn::Store(origin, d, o);
+    hn::Store(reciprocal, d, r);
+    hn::Store(direction, d, v);
+    const int kz = longest_axis(ray.direction);
+    const int kx = next_axis[kz], ky = next_axis[kx];
+    s.shear = {kx, ky, kz, v[kx] / v[kz], v[ky] / v[kz], r[kz]};
+    s.shear_origin[0] = o[kx];
+    s.shear_origin[1] = o[ky];
+    s.shear_origin[2] = o[kz];
 }
 
-// Pushes the children of a node that the ray meets, the nearest last.
-HWY_INLINE void visit_node(const WideNode& node, RayState& s, ChildWord* words, float* distances)
+// The part of the state that slab tests need, in registers.
+struct SlabRay
 {
-    const hn::CappedTag<float, node_width> d;
-    const hn::RebindToUnsigned<decltype(d)> du;
+    using Tag = hn::CappedTag<float, node_width>;
+    using Vec = hn::Vec<Tag>;
+    Vec inverse_x, inverse_y, inverse_z, enter_x, enter_y, enter_z, leave_x, leave_y, leave_z, t_min;
+    SlabRows rows;
+};
+
+HWY_INLINE SlabRay load_slab_ray(const RayState& s)
+{
+    const SlabRay::Tag d;
+    return {hn::Set(d, s.inverse[0]),    hn::Set(d, s.inverse[1]),    hn::Set(d, s.inverse[2]),
+            hn::Set(d, s.enter_term[0]), hn::Set(d, s.enter_term[1]), hn::Set(d, s.enter_term[2]),
+            hn::Set(d, s.leave_term[0]), hn::Set(d, s.leave_term[1]), hn::Set(d, s.leave_term[2]),
+            hn::Set(d, s.t_min),         rows_by_octant[s.octant]};
+}
+
+// Where the ray enters and leaves the boxes of a node, or of half of it where vectors are short.
+struct Slabs
+{
+    using Tag = SlabRay::Tag;
+    SlabRay::Vec enter, leave;
+};
+
+HWY_INLINE Slabs test_slabs(const WideNode& node, const SlabRay& r, float best, std::size_t half)
+{
+    const Slabs::Tag d;
+    const float* planes = &node.planes[0][0] + half;
+    const auto enter_x = hn::MulSub(hn::Load(d, planes + r.rows.enter[0]), r.inverse_x, r.enter_x);
+    const auto enter_y = hn::MulSub(hn::Load(d, planes + r.rows.enter[1]), r.inverse_y, r.enter_y);
+    const auto enter_z = hn::MulSub(hn::Load(d, planes + r.rows.enter[2]), r.inverse_z, r.enter_z);
+    const auto leave_x = hn::MulSub(hn::Load(d, planes + r.rows.leave[0]), r.inverse_x, r.leave_x);
+    const auto leave_y = hn::MulSub(hn::Load(d, planes + r.rows.leave[1]), r.inverse_y, r.leave_y);
+    const auto leave_z = hn::MulSub(hn::Load(d, planes + r.rows.leave[2]), r.inverse_z, r.leave_z);
+    return {hn::Max(hn::Max(enter_x, enter_y), hn::Max(enter_z, r.t_min)),
+            hn::Min(hn::Min(leave_x, leave_y), hn::Min(leave_z, hn::Set(d, best)))};
+}
+
+// Lane numbers in the low three bits, whatever is above.
+template <class D, class V>
+HWY_INLINE auto lanes_of(D d, V numbers)
+{
+    const hn::RebindToUnsigned<D> du;
+    return hn::IndicesFromVec(d, hn::And(numbers, hn::Set(du, hn::MaxLanes(d) - 1)));
+}
+
+// Pushes the children that the ray meets, the nearest last. Returns the new number of entries.
+template <Query query>
+HWY_INLINE uint push_children(const WideNode& node, const RayState& s, const SlabRay& slab_ray, const Slabs& slabs,
+                              std::size_t stride, uint size)
+{
+    const Slabs::Tag d;
+    const hn::RebindToUnsigned<Slabs::Tag> du;
     constexpr std::size_t n = hn::MaxLanes(d);
-    const float* planes = &node.planes[0][0];
-
-    const auto slab = [&](uint row, float origin, float inverse, std::size_t half) HWY_ATTR {
-        return hn::Mul(hn::Sub(hn::Load(d, planes + row + half), hn::Set(d, origin)), hn::Set(d, inverse));
-    };
-    const auto enter = [&](std::size_t half) HWY_ATTR {
-        const auto x = slab(s.enter_row[0], s.enter_origin[0], s.inverse[0], half);
-        const auto y = slab(s.enter_row[1], s.enter_origin[1], s.inverse[1], half);
-        const auto z = slab(s.enter_row[2], s.enter_origin[2], s.inverse[2], half);
-        return hn::Max(hn::Max(x, y), hn::Max(z, hn::Set(d, s.t_min)));
-    };
-    const auto leave = [&](std::size_t half) HWY_ATTR {
-        const auto x = slab(leave_row(s, 0), s.leave_origin[0], s.inverse[0], half);
-        const auto y = slab(leave_row(s, 1), s.leave_origin[1], s.inverse[1], half);
-        const auto z = slab(leave_row(s, 2), s.leave_origin[2], s.inverse[2], half);
-        return hn::Min(hn::Min(x, y), hn::Min(z, hn::Set(d, s.best)));
-    };
-
-    words += s.stack_size;
-    distances += s.stack_size;
+    ChildWord* const words = s.stack + size;
+    uint* const distances = words + stride;
     const uint order = node.order[s.octant];
     if constexpr (n == node_width) {
-        const auto t = enter(0);
-        const auto missed = hn::Inf(d);
-        const auto key = hn::IfThenElse(hn::Le(t, leave(0)), t, missed);
-        const auto shifted = hn::Shr(hn::Set(du, order), hn::ShiftLeft<2>(hn::Iota(du, 0)));
-        const auto slots = hn::And(shifted, hn::Set(du, node_width - 1));
-        const auto sorted = hn::TableLookupLanes(key, hn::IndicesFromVec(d, slots));
-        const auto children = hn::TableLookupLanes(hn::Load(du, node.child), hn::IndicesFromVec(du, slots));
-        const auto met = hn::Lt(sorted, missed);
-        hn::StoreU(hn::Compress(sorted, met), d, distances);
-        hn::StoreU(hn::Compress(children, hn::RebindMask(du, met)), du, words);
-        s.stack_size += static_cast<uint>(hn::CountTrue(d, met));
+        const auto by_lane = hn::ShiftLeft<2>(hn::Iota(du, 0));
+        const auto front_to_back = hn::Shr(hn::Set(du, order), by_lane);
+        const auto children = hn::Load(du, node.child);
+#if HWY_TARGET <= HWY_AVX3
+        const auto enter = hn::TableLookupLanes(slabs.enter, lanes_of(d, front_to_back));
+        const auto leave = hn::TableLookupLanes(slabs.leave, lanes_of(d, front_to_back));
+        const auto met = hn::RebindMask(du, hn::Le(enter, leave));
+        const auto sorted = hn::TableLookupLanes(children, lanes_of(du, front_to_back));
+        hn::StoreU(hn::Compress(sorted, met), du, words);
+        if (query != Query::any) hn::StoreU(hn::Compress(hn::BitCast(du, enter), met), du, distances);
+        return size + static_cast<uint>(hn::CountTrue(du, met));
+#else
+        // Highway's Compress copies its table to the stack at each call when GCC 12 compiles it for AVX2.
+        const auto met = hn::VecFromMask(d, hn::Le(slabs.enter, slabs.leave));
+        const uint bits = mask_bits(d, hn::MaskFromVec(hn::TableLookupLanes(met, lanes_of(d, front_to_back))));
+        const auto kept = hn::Shr(hn::Set(du, lane_lists.lanes[bits]), by_lane);
+        const auto lanes = hn::TableLookupLanes(front_to_back, lanes_of(du, kept));
+        hn::StoreU(hn::TableLookupLanes(children, lanes_of(du, lanes)), du, words);
+        if (query != Query::any)
+            hn::StoreU(hn::TableLookupLanes(hn::BitCast(du, slabs.enter), lanes_of(du, lanes)), du, distances);
+        return size + static_cast<uint>(hwy::PopCount(bits));
+#endif
     } else {
-        alignas(16) float t[node_width];
+        alignas(16) uint t[node_width];
         uint met = 0;
-        for (std::size_t half = 0; half < node_width; half += n) {
-            const auto entered = enter(half);
-            hn::Store(entered, d, t + half);
-            met |= mask_bits(d, hn::Le(entered, leave(half))) << half;
+        Slabs part = slabs;
+        for (std::size_t half = 0;; part = test_slabs(node, slab_ray, s.best, half)) {
+            hn::Store(hn::BitCast(du, part.enter), du, t + half);
+            met |= mask_bits(d, hn::Le(part.enter, part.leave)) << half;
+            half += n;
+            if (half >= node_width) break;
         }
         uint count = 0;
         for (uint i = 0; i < node_width; ++i) {
-            const uint slot = order >> (4 * i) & (node_width - 1);
-            words[count] = node.child[slot];
-            distances[count] = t[slot];
-            count += met >> slot & 1u;
+            const uint lane = order >> (4 * i) & (node_width - 1);
+            words[count] = node.child[lane];
+            distances[count] = t[lane];
+            count += met >> lane & 1u;
         }
-        s.stack_size += count;
+        return size + count;
     }
 }
 
-// Takes what lies beyond the nearest hit off the stack, so that popping needs no comparison.
-HWY_INLINE void drop_farther(RayState& s, ChildWord* words, float* distances)
+// Stores the lanes in `set` of both vectors side by side and returns how many they are.
+HWY_INLINE uint store_lanes(uint set, hn::Vec<hn::RebindToUnsigned<Slabs::Tag>> a, uint* to_a,
+                            hn::Vec<hn::RebindToUnsigned<Slabs::Tag>> b, uint* to_b)
 {
+    const hn::RebindToUnsigned<Slabs::Tag> du;
+    const auto lanes = hn::Shr(hn::Set(du, lane_lists.lanes[set]), hn::ShiftLeft<2>(hn::Iota(du, 0)));
+    hn::StoreU(hn::TableLookupLanes(a, lanes_of(du, lanes)), du, to_a);
+    hn::StoreU(hn::TableLookupLanes(b, lanes_of(du, lanes)), du, to_b);
+    return static_cast<uint>(hwy::PopCount(set));
+}
+
+// Takes what lies beyond the nearest hit off the stack, so that popping needs no comparison.
+HWY_INLINE void drop_farther(RayState& s, std::size_t stride)
+{
+    const Slabs::Tag d;
+    const hn::RebindToUnsigned<Slabs::Tag> du;
+    constexpr uint n = hn::MaxLanes(d);
+    uint* const words = s.stack;
+    uint* const distances = s.stack + stride;
     uint kept = 0;
-    for (uint i = 0; i < s.stack_size; ++i) {
-        words[kept] = words[i];
-        distances[kept] = distances[i];
-        kept += distances[i] <= s.best;
+    for (uint i = 0; i < s.stack_size; i += n) {
+        const auto distance = hn::LoadU(du, distances + i);
+        const uint all = s.stack_size - i < n ? (1u << (s.stack_size - i)) - 1 : (1u << n) - 1;
+        const uint near = all & mask_bits(d, hn::Le(hn::BitCast(d, distance), hn::Set(d, s.best)));
+        kept += store_lanes(near, hn::LoadU(du, words + i), words + kept, distance, distances + kept);
     }
     s.stack_size = kept;
 }
@@ -149,18 +245,16 @@ HWY_INLINE FourTriangles watertight(const TriangleBlock& block, const RayState& 
     const auto w0 = hn::Sub(hn::Mul(cx, by), hn::Mul(cy, bx));
     const auto w1 = hn::Sub(hn::Mul(ax, cy), hn::Mul(ay, cx));
     const auto w2 = hn::Sub(hn::Mul(bx, ay), hn::Mul(by, ax));
-    const auto zero = hn::Zero(d);
-    const auto outside =
-        hn::And(hn::Lt(hn::Min(w0, hn::Min(w1, w2)), zero), hn::Gt(hn::Max(w0, hn::Max(w1, w2)), zero));
+    // Positive: all three have the same sign. 0: one is 0 or nearly so, and its sign needs a closer look (edge_function
+    // in the kernel). Negative: outside.
+    const auto side = hn::Mul(hn::Min(w0, hn::Min(w1, w2)), hn::Max(w0, hn::Max(w1, w2)));
     const auto det = hn::Add(hn::Add(w0, w1), w2);
     const auto weighted =
         hn::Add(hn::Add(hn::Mul(w0, hn::Mul(sz, az)), hn::Mul(w1, hn::Mul(sz, bz))), hn::Mul(w2, hn::Mul(sz, cz)));
     const auto t = hn::Div(weighted, det); // NaN where det is 0 or anything was NaN
     const auto inside = hn::And(hn::Gt(t, hn::Set(d, s.t_min)), hn::Le(t, hn::Set(d, s.best)));
-    // Where an edge function is 0, its sign needs a closer look (edge_function in the kernel).
-    const auto on_edge = hn::Or(hn::Or(hn::Eq(w0, zero), hn::Eq(w1, zero)), hn::Eq(w2, zero));
-    const auto unsure = hn::AndNot(outside, on_edge);
-    return {t, w1, w2, det, hn::AndNot(hn::Or(outside, on_edge), inside), unsure};
+    const auto zero = hn::Zero(d);
+    return {t, w1, w2, det, hn::And(hn::Gt(side, zero), inside), hn::Eq(side, zero)};
 }
 
 // The same for intersect_triangle_moller_trumbore.
@@ -229,13 +323,14 @@ HWY_INLINE bool visit_triangles(const TriangleBlock& block, RayState& s)
     hn::Store(r.v, d, v);
     hn::Store(r.det, d, det);
     bool improved = false;
-    for (uint lane = 0; lane < 4; ++lane) {
-        if (unsure >> lane & 1u) {
+    for (uint rest = ok | unsure; rest != 0; rest &= rest - 1) {
+        const auto lane = static_cast<uint>(hwy::Num0BitsBelowLS1Bit_Nonzero32(rest));
+        if (HWY_UNLIKELY(unsure >> lane & 1u)) {
             improved = visit_triangle_exactly(block, lane, s) || improved;
             continue;
         }
         const uint primitive = pack_primitive(kind_triangle, block.id[lane]);
-        if (!(ok >> lane & 1u) || !is_better_hit(t[lane], primitive, s.instance, s.hit)) continue;
+        if (!is_better_hit(t[lane], primitive, s.instance, s.hit)) continue;
         accept(s, t[lane], u[lane] / det[lane], v[lane] / det[lane], primitive, s.instance);
         improved = true;
     }
@@ -265,10 +360,14 @@ template <Query query, TriangleTest test>
 class Walker
 {
   public:
-    Walker(const TraceInput& in, std::span<const Ray> batch) : input(in), bvh(*in.bvh), rays(batch) {}
+    Walker(const TraceInput& in, std::span<const Ray> batch, std::size_t stack_stride)
+        : input(in), bvh(*in.bvh), rays(batch), stride(stack_stride)
+    {
+    }
 
-    // Sets the state to the root, after looking at the planes. False if there is nothing to traverse.
-    bool start(RayState& s, std::size_t index, ChildWord* words, float* distances) const
+    // The state's stack is set. Sets the rest to the root, after looking at the planes. False if there is nothing to
+    // traverse.
+    bool start(RayState& s, std::size_t index) const
     {
         const Ray& ray = rays[index];
         s.ray_index = static_cast<uint>(index);
@@ -285,16 +384,16 @@ class Walker
             const uint primitive = pack_primitive(kind_plane, static_cast<uint>(i));
             if (r.ok && is_better_hit(r.t, primitive, none, s.hit)) accept(s, r.t, 0.0f, 0.0f, primitive, none);
         }
-        if (bvh.world.box.empty() || (query == Query::any && is_hit(s.hit))) return false;
+        if (bvh.world.word == word_done || (query == Query::any && is_hit(s.hit))) return false;
         enter_space(s, ray, bvh.world, none);
-        push(s, words, distances, word_done);
+        push(s, word_done);
         s.current = bvh.world.word;
         return true;
     }
 
     // Visits the leaf, instance or marker that is `current`. True if a hit was found or improved. What comes next is
     // on the stack.
-    HWY_INLINE bool visit_leaf(RayState& s, ChildWord* words, float* distances) const
+    HWY_INLINE bool visit_leaf(RayState& s) const
     {
         const uint index = s.current & child_index_mask;
         switch (RefKind(s.current >> 30)) {
@@ -306,7 +405,7 @@ class Walker
             if (s.current == word_leave_instance)
                 enter_space(s, rays[s.ray_index], bvh.world, none);
             else
-                enter_instance(s, index, words, distances);
+                enter_instance(s, index);
             return false;
         }
         return false;
@@ -315,49 +414,74 @@ class Walker
     const TraceInput& input;
     const WideBvh& bvh;
     const std::span<const Ray> rays;
+    const std::size_t stride; // of Stacks
 
   private:
     // Markers stay on the stack whatever the nearest hit.
-    static void push(RayState& s, ChildWord* words, float* distances, ChildWord word)
+    void push(RayState& s, ChildWord word) const
     {
-        words[s.stack_size] = word;
-        distances[s.stack_size] = -INFINITY;
+        s.stack[s.stack_size] = word;
+        s.stack[s.stack_size + stride] = floatBitsToUint(-INFINITY);
         ++s.stack_size;
     }
 
-    void enter_instance(RayState& s, uint index, ChildWord* words, float* distances) const
+    void enter_instance(RayState& s, uint index) const
     {
         const Instance& instance = input.scene->instances[index];
         const WideRoot& root = bvh.groups[instance.group];
         const Ray local = ray_to_object(rays[s.ray_index], instance.to_object);
-        if (!is_traceable(local) || root.box.empty()) return;
-        push(s, words, distances, word_leave_instance);
+        if (!is_traceable(local) || root.word == word_done) return;
+        push(s, word_leave_instance);
         enter_space(s, local, root, index);
-        push(s, words, distances, root.word);
+        push(s, root.word);
     }
 };
 
 template <Query query, TriangleTest test, class Finish>
 HWY_INLINE void trace_one_by_one(const TraceInput& input, std::span<const Ray> rays, const Finish& finish)
 {
-    const Walker<query, test> walker(input, rays);
     Stacks stacks(1, input.bvh->stack_size);
-    ChildWord* const words = stacks.word(0);
-    float* const distances = stacks.distance(0);
+    const std::size_t stride = stacks.stride;
+    const Walker<query, test> walker(input, rays, stride);
+    const WideNode* const nodes = walker.bvh.nodes.data();
+    ChildWord* const stack = stacks.stack(0);
     RayState s;
+    s.stack = stack;
     for (std::size_t i = 0; i < rays.size(); ++i) {
-        if (walker.start(s, i, words, distances)) {
-            while (s.current != word_done) {
-                if (s.current <= child_index_mask) {
-                    visit_node(walker.bvh.nodes[s.current], s, words, distances);
+        if (walker.start(s, i)) {
+            uint size = s.stack_size;
+            ChildWord current = s.current;
+            SlabRay slab_ray = load_slab_ray(s);
+            while (current != word_done) {
+                if (current <= child_index_mask) {
+                    const WideNode& node = nodes[current];
+                    const Slabs slabs = test_slabs(node, slab_ray, s.best, 0);
                     if (query == Query::counted) ++s.steps;
-                } else if (walker.visit_leaf(s, words, distances) && query == Query::any) {
-                    s.hit.primitive = 0;
-                    break;
+                    if (hn::MaxLanes(Slabs::Tag()) == node_width) {
+                        // One child is the most frequent case, and neighbouring rays agree on it.
+                        const uint met = mask_bits(Slabs::Tag(), hn::Le(slabs.enter, slabs.leave));
+                        if (met != 0 && (met & (met - 1)) == 0) {
+                            current = node.child[hwy::Num0BitsBelowLS1Bit_Nonzero32(met)];
+                            continue;
+                        }
+                        if (met != 0) size = push_children<query>(node, s, slab_ray, slabs, stride, size);
+                    } else {
+                        size = push_children<query>(node, s, slab_ray, slabs, stride, size);
+                    }
+                } else {
+                    s.current = current;
+                    s.stack_size = size;
+                    const bool improved = walker.visit_leaf(s);
+                    size = s.stack_size;
+                    if (current >= make_child(uint(RefKind::instance), 0)) slab_ray = load_slab_ray(s);
+                    if (improved && query == Query::any) {
+                        s.hit.primitive = 0;
+                        break;
+                    }
                 }
-                do --s.stack_size;
-                while (distances[s.stack_size] > s.best);
-                s.current = words[s.stack_size];
+                do --size;
+                while (query != Query::any && uintBitsToFloat(stack[stride + size]) > s.best);
+                current = stack[size];
             }
         }
         finish(s);
@@ -399,23 +523,26 @@ template <Query query, TriangleTest test, class Finish>
 HWY_INLINE void trace_in_flight(const TraceInput& input, std::span<const Ray> rays, const Finish& finish)
 {
     constexpr std::size_t flight = 16;
-    const Walker<query, test> walker(input, rays);
-    const WideNode* const nodes = walker.bvh.nodes.data();
     Stacks stacks(flight, input.bvh->stack_size);
+    const std::size_t stride = stacks.stride;
+    const Walker<query, test> walker(input, rays, stride);
+    const WideNode* const nodes = walker.bvh.nodes.data();
+    const TriangleBlock* const blocks = walker.bvh.triangles.data();
     RayState states[flight];
-    std::uint8_t inner[flight], other[2 * flight];
+    for (std::size_t slot = 0; slot < flight; ++slot) states[slot].stack = stacks.stack(slot);
+    std::uint8_t inner[flight + 1], other[2 * flight];
     std::size_t inner_count = 0, other_count = 0, next_ray = 0;
 
     const auto sort_in = [&](std::size_t slot) {
-        if (states[slot].current <= child_index_mask)
-            inner[inner_count++] = static_cast<std::uint8_t>(slot);
-        else
-            other[other_count++] = static_cast<std::uint8_t>(slot);
+        const bool is_inner = states[slot].current <= child_index_mask;
+        inner[inner_count] = other[other_count] = static_cast<std::uint8_t>(slot);
+        inner_count += is_inner;
+        other_count += !is_inner;
     };
     // Gives the slot to the next ray that has something to traverse.
     const auto refill = [&](std::size_t slot) {
         while (next_ray < rays.size()) {
-            if (walker.start(states[slot], next_ray++, stacks.word(slot), stacks.distance(slot))) {
+            if (walker.start(states[slot], next_ray++)) {
                 sort_in(slot);
                 return;
             }
@@ -424,12 +551,12 @@ HWY_INLINE void trace_in_flight(const TraceInput& input, std::span<const Ray> ra
     };
     const auto fetch = [&](ChildWord word) {
         if (!input.prefetch) return;
-        const char* lines =
-            word <= child_index_mask
-                ? reinterpret_cast<const char*>(nodes + word)
-                : reinterpret_cast<const char*>(walker.bvh.triangles.data() + (word & child_index_mask));
-        // An instance, a sphere or a marker makes an address that is fetched in vain; that is harmless.
-        for (int line = 0; line < 4; ++line) __builtin_prefetch(lines + 64 * line);
+        const bool inner_node = word <= child_index_mask;
+        const char* lines = inner_node ? reinterpret_cast<const char*>(nodes + word)
+                                       : reinterpret_cast<const char*>(blocks + (word & child_index_mask));
+        // A sphere block, an instance or a marker makes an address that is fetched in vain; that is harmless.
+        for (int line = 0; line < 3; ++line) __builtin_prefetch(lines + 64 * line);
+        __builtin_prefetch(lines + (inner_node ? 192 : 128));
     };
 
     for (std::size_t slot = 0; slot < flight; ++slot) refill(slot);
@@ -439,8 +566,11 @@ HWY_INLINE void trace_in_flight(const TraceInput& input, std::span<const Ray> ra
             for (std::size_t i = 0; i < inner_count; ++i) {
                 const std::size_t slot = inner[i];
                 RayState& s = states[slot];
-                visit_node(nodes[s.current], s, stacks.word(slot), stacks.distance(slot));
-                s.current = stacks.word(slot)[--s.stack_size];
+                const WideNode& node = nodes[s.current];
+                const SlabRay slab_ray = load_slab_ray(s);
+                const Slabs slabs = test_slabs(node, slab_ray, s.best, 0);
+                s.stack_size = push_children<query>(node, s, slab_ray, slabs, stride, s.stack_size) - 1;
+                s.current = s.stack[s.stack_size];
                 fetch(s.current);
                 const bool is_inner = s.current <= child_index_mask;
                 inner[still] = static_cast<std::uint8_t>(slot);
@@ -462,15 +592,15 @@ HWY_INLINE void trace_in_flight(const TraceInput& input, std::span<const Ray> ra
                 refill(slot);
                 continue;
             }
-            const bool improved = walker.visit_leaf(s, stacks.word(slot), stacks.distance(slot));
+            const bool improved = walker.visit_leaf(s);
             if (improved && query == Query::any) {
                 s.hit.primitive = 0;
                 finish(s);
                 refill(slot);
                 continue;
             }
-            if (improved) drop_farther(s, stacks.word(slot), stacks.distance(slot));
-            s.current = stacks.word(slot)[--s.stack_size];
+            if (improved) drop_farther(s, stride);
+            s.current = s.stack[--s.stack_size];
             fetch(s.current);
             sort_in(slot);
         }

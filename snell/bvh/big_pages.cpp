@@ -1,0 +1,30 @@
+#include "snell/bvh/big_pages.h"
+
+#include <cstdlib>
+#include <new>
+
+#ifdef __linux__
+#include <sys/mman.h>
+#endif
+
+namespace snell {
+
+void* allocate_big(std::size_t bytes)
+{
+    constexpr std::size_t huge = std::size_t{2} << 20;
+    const std::size_t alignment = bytes >= 2 * huge ? huge : 64;
+    const std::size_t rounded = (bytes + alignment - 1) / alignment * alignment;
+    void* memory = std::aligned_alloc(alignment, rounded);
+    if (!memory) throw std::bad_alloc();
+#ifdef __linux__
+    if (alignment == huge) madvise(memory, rounded, MADV_HUGEPAGE); // a hint: failing costs nothing
+#endif
+    return memory;
+}
+
+void free_big(void* memory)
+{
+    std::free(memory);
+}
+
+} // namespace snell
