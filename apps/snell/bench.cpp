@@ -166,7 +166,7 @@ int run_bench(const Arguments& arguments)
     const auto whole_number = [](const char* option, const std::string& text, int low, int high) {
         return static_cast<int>(parse_integer(option, text, low, high));
     };
-    Options options("snell bench",
+    Options options("bench",
                     "Measures the path tracer's samples a second beside a plain one over Embree with the same kernels, "
                     "interleaved in one run",
                     "Examples:\n"
