@@ -251,6 +251,16 @@ TEST(BvhAgrees, FarAndTinyScenes)
     }
 }
 
+// Batches shorter and longer than the number of rays in flight, and none at all.
+TEST(BvhAgrees, BatchSizes)
+{
+    Random random(13);
+    PackedScene scene;
+    add_soup(scene, random, 200, 0.3f);
+    end_world(scene);
+    for (const int count : {0, 1, 2, 15, 16, 17, 31, 33, 100}) expect_agreement(scene, random_rays(random, count), 0);
+}
+
 // One axis a thousand million times longer, and a spiral of shrinking triangles: trees that degenerate.
 TEST(BvhAgrees, ExponentialSpacing)
 {

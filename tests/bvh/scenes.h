@@ -2,6 +2,7 @@
 #pragma once
 
 #include "snell/bvh/accel.h"
+#include "snell/scene/scene.h"
 
 #include <cmath>
 #include <random>

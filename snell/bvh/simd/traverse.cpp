@@ -1,10 +1,5 @@
 #include "snell/bvh/simd/traverse.h"
 
-#include "snell/bvh/simd/ray_state.h"
-
-#include <memory>
-#include <vector>
-
 // SSE4 (the least that snell runs on), AVX2 and AVX-512 on x86; elsewhere what Highway finds. The AVX-512 dialects
 // beyond the first have nothing for us.
 #define HWY_DISABLE_PCLMUL_AES

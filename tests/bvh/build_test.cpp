@@ -1,0 +1,171 @@
+// The trees themselves: the same for any number of threads, complete, bounded in depth and size.
+#include "snell/bvh/build.h"
+#include "snell/bvh/primitives.h"
+#include "snell/bvh/wide.h"
+#include "snell/core/parallel.h"
+#include "tests/bvh/scenes.h"
+
+#include <gtest/gtest.h>
+
+#include <cstring>
+#include <functional>
+#include <map>
+
+namespace snell::test {
+namespace {
+
+PackedScene big_scene()
+{
+    Random random(31);
+    PackedScene scene;
+    add_soup(scene, random, 90'000, 0.01f);
+    add_cloud(scene, random, 3000, 0.01f);
+    end_group(scene);
+    add_soup(scene, random, 100'000, 0.02f);
+    end_world(scene);
+    for (int i = 0; i < 500; ++i) add_instance(scene, 0, translation(3.0f * random.in_box(1.0f)));
+    return scene;
+}
+
+template <class Vector>
+bool same_bytes(const Vector& a, const Vector& b)
+{
+    return a.size() == b.size() && std::memcmp(a.data(), b.data(), a.size() * sizeof(a[0])) == 0;
+}
+
+TEST(BvhBuild, IsTheSameForAnyNumberOfThreads)
+{
+    const PackedScene scene = big_scene();
+    set_thread_count(1);
+    const WideBvh one = build_wide(scene);
+    for (const int threads : {2, 5, 16}) {
+        set_thread_count(threads);
+        const WideBvh many = build_wide(scene);
+        EXPECT_TRUE(same_bytes(one.nodes, many.nodes)) << threads;
+        EXPECT_TRUE(same_bytes(one.triangles, many.triangles)) << threads;
+        EXPECT_TRUE(same_bytes(one.spheres, many.spheres)) << threads;
+        EXPECT_EQ(one.stack_size, many.stack_size);
+        EXPECT_EQ(one.sah_cost, many.sah_cost);
+    }
+    set_thread_count(0);
+}
+
+int depth_of(const BinaryTree& tree, uint node)
+{
+    const BinaryNode& n = tree.nodes[node];
+    return n.count > 0 ? 1 : 1 + std::max(depth_of(tree, node + 1), depth_of(tree, n.link));
+}
+
+// Every reference in one leaf, leaves of one kind and at most four, boxes around what is below.
+void expect_sound(const std::vector<PrimitiveRef>& refs, const BinaryTree& tree)
+{
+    ASSERT_EQ(tree.order.size(), refs.size());
+    std::map<std::pair<RefKind, uint>, const PrimitiveRef*> by_name;
+    for (const PrimitiveRef& ref : refs) by_name[{ref.kind, ref.index}] = &ref;
+    std::size_t seen = 0;
+    const std::function<void(uint)> visit = [&](uint at) {
+        const BinaryNode& node = tree.nodes[at];
+        Box below;
+        if (node.count > 0) {
+            ASSERT_LE(node.count, max_leaf_size);
+            for (uint i = 0; i < node.count; ++i) {
+                const auto& entry = tree.order[node.link + i];
+                ASSERT_EQ(entry.kind, tree.order[node.link].kind);
+                const auto found = by_name.find({entry.kind, entry.index});
+                ASSERT_NE(found, by_name.end()) << "an entry twice, or unknown";
+                below.extend(found->second->lower);
+                below.extend(found->second->upper);
+                by_name.erase(found);
+                ++seen;
+            }
+            if (tree.order[node.link].kind == RefKind::instance) {
+                EXPECT_EQ(node.count, 1u);
+            }
+        } else {
+            visit(at + 1);
+            visit(node.link);
+            below.extend(tree.nodes[at + 1].box);
+            below.extend(tree.nodes[node.link].box);
+        }
+        EXPECT_EQ(below.lower, node.box.lower);
+        EXPECT_EQ(below.upper, node.box.upper);
+    };
+    if (!refs.empty()) visit(0);
+    EXPECT_EQ(seen, refs.size());
+}
+
+TEST(BvhBuild, HoldsEverythingOnce)
+{
+    for (const int count : {0, 1, 2, 3, 4, 5, 100, 20'000}) {
+        SCOPED_TRACE(count);
+        Random random(32);
+        PackedScene scene;
+        add_soup(scene, random, count, 0.1f);
+        add_cloud(scene, random, count / 3, 0.1f);
+        end_world(scene);
+        const std::vector<PrimitiveRef> refs = collect_primitives(scene, scene.world);
+        EXPECT_EQ(refs.size(), static_cast<std::size_t>(count + count / 3));
+        expect_sound(refs, build_binned_sah(refs));
+    }
+}
+
+// Distances that double: SAH peels off one primitive at a time, again and again.
+TEST(BvhBuild, DepthIsBounded)
+{
+    std::vector<PrimitiveRef> refs;
+    for (uint i = 0; i < 60'000; ++i) {
+        const float x = std::exp2(static_cast<float>(i % 240) - 120.0f) * (i % 2 ? 1.0f : -1.0f);
+        refs.push_back({vec3(x, 0.0f, 0.0f), i, vec3(x, x * x < 1e30f ? 1.0f : 2.0f, 0.0f), RefKind::triangle});
+    }
+    for (uint i = 0; i < 60'000; ++i) refs.push_back({vec3(1.0f), 60'000 + i, vec3(2.0f), RefKind::triangle});
+    const BinaryTree tree = build_binned_sah(refs);
+    expect_sound(refs, tree);
+    EXPECT_LE(depth_of(tree, 0), 96);
+}
+
+TEST(BvhBuild, LeavesOutWhatHasNoPlace)
+{
+    PackedScene scene;
+    Random random(33);
+    add_soup(scene, random, 30, 0.5f);
+    scene.positions[0].x = std::nanf("");
+    scene.positions[10].y = infinity();
+    scene.positions[20].z = -infinity();
+    add_sphere(scene, vec3(std::nanf("")), 1.0f);
+    add_sphere(scene, vec3(0.0f), infinity());
+    add_sphere(scene, vec3(0.0f), 1.0f);
+    end_world(scene);
+    EXPECT_EQ(collect_primitives(scene, scene.world).size(), 27u + 1u);
+}
+
+TEST(BvhBuild, Statistics)
+{
+    const PackedScene scene = big_scene();
+    const auto accel = accels().front().make(scene, {});
+    EXPECT_GT(accel->stats.build_seconds, 0.0);
+    EXPECT_GT(accel->stats.nodes, 5000u);
+    EXPECT_GT(accel->stats.leaves, accel->stats.nodes);
+    EXPECT_GT(accel->stats.sah_cost, 1.0);
+    const double bytes = static_cast<double>(accel->stats.bytes) / static_cast<double>(scene.triangles.size());
+    EXPECT_LT(bytes, 100.0);
+    EXPECT_GT(bytes, 40.0);
+
+    PackedScene empty;
+    const auto nothing = accels().front().make(empty, {});
+    EXPECT_EQ(nothing->stats.nodes, 0u);
+    EXPECT_EQ(nothing->stats.sah_cost, 0.0);
+}
+
+TEST(AccelRegistry, FindsByName)
+{
+    for (const AccelInfo& info : accels()) {
+        ASSERT_NE(find_accel(info.name), nullptr);
+        EXPECT_EQ(find_accel(info.name)->name, info.name);
+        EXPECT_FALSE(info.summary.empty());
+    }
+    EXPECT_EQ(accels().front().name, "bvh8");
+    EXPECT_EQ(find_accel("no such thing"), nullptr);
+}
+
+} // namespace
+} // namespace snell::test
