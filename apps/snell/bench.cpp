@@ -1,4 +1,5 @@
 // snell bench: samples a second of the whole renderer, beside a plain path tracer over Embree in the same run.
+#include "camera_choice.h"
 #include "commands.h"
 #include "console.h"
 #include "options.h"
@@ -33,6 +34,7 @@ struct BenchJob
     std::vector<std::string> scenes;
     std::string json_file;
     RenderSettings settings;
+    CameraChoice camera;
     int runs = 5;
 };
 
@@ -102,7 +104,7 @@ static std::vector<Contender> contenders(const Prepared& prepared, const RenderS
 static nlohmann::json bench_scene(const std::string& name, const BenchJob& job)
 {
     Scene scene = open_scene(name);
-    complete(scene, static_cast<float>(job.settings.width) / static_cast<float>(job.settings.height));
+    choose_camera(scene, job.camera, 1.0f);
     const std::unique_ptr<Prepared> prepared = prepare(scene, job.settings);
     const RenderParams params =
         make_render_params(job.settings, *find_integrator("path"), prepared->camera, prepared->packed.radius);
@@ -191,6 +193,7 @@ int run_bench(const Arguments& arguments)
                   [&](const std::string& text) { job.settings.threads = whole_number("--threads", text, 0, 4096); });
     options.value("--json", "FILE", "Write the figures there as well",
                   [&](const std::string& text) { job.json_file = text; });
+    add_camera_options(options, job.camera);
     if (const std::optional<int> code = options.parse(arguments)) return *code;
     if (job.scenes.empty()) job.scenes.push_back("cornell");
 

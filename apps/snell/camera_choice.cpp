@@ -25,6 +25,22 @@ static std::size_t find_camera(const Scene& scene, const std::string& name)
     return 0;
 }
 
+void add_camera_options(Options& options, CameraChoice& choice)
+{
+    options.group("Camera");
+    options.value("--camera", "NAME|INDEX", "One of the scene's cameras [the first]",
+                  [&](const std::string& text) { choice.camera = text; });
+    options.value("--eye", "X,Y,Z", "Where it stands",
+                  [&](const std::string& text) { choice.eye = parse_vec3("--eye", text); });
+    options.value("--target", "X,Y,Z", "What it looks at",
+                  [&](const std::string& text) { choice.target = parse_vec3("--target", text); });
+    options.value("--up", "X,Y,Z", "Which way is up",
+                  [&](const std::string& text) { choice.up = parse_vec3("--up", text); });
+    options.value("--fov", "DEGREES", "Full angle of the picture's shorter side", [&](const std::string& text) {
+        choice.fov_degrees = static_cast<float>(parse_number("--fov", text, 0.001, 179.0));
+    });
+}
+
 void choose_camera(Scene& scene, const CameraChoice& choice, float aspect)
 {
     std::size_t chosen = 0;

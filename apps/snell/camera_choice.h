@@ -1,6 +1,8 @@
 // Which of a scene's cameras to render through, and how the command line changes it.
 #pragma once
 
+#include "options.h"
+
 #include "snell/scene/scene.h"
 
 #include <optional>
@@ -14,6 +16,9 @@ struct CameraChoice
     std::optional<vec3> eye, target, up;
     std::optional<float> fov_degrees;
 };
+
+// --camera, --eye, --target, --up and --fov.
+void add_camera_options(Options& options, CameraChoice& choice);
 
 // Completes the scene (see snell/scene/scene.h) and leaves in it the one camera that was chosen. Throws UsageError if
 // there is no such camera or it cannot see: eye and target in one place, up along the view.

@@ -72,22 +72,6 @@ static void add_picture_options(Options& options, RenderJob& job, Pending& pendi
     options.flag("--no-layers", "Colour only", [&] { pending.layers = false; });
 }
 
-static void add_camera_options(Options& options, RenderJob& job)
-{
-    options.group("Camera");
-    options.value("--camera", "NAME|INDEX", "One of the scene's cameras [the first]",
-                  [&](const std::string& text) { job.camera.camera = text; });
-    options.value("--eye", "X,Y,Z", "Where it stands",
-                  [&](const std::string& text) { job.camera.eye = parse_vec3("--eye", text); });
-    options.value("--target", "X,Y,Z", "What it looks at",
-                  [&](const std::string& text) { job.camera.target = parse_vec3("--target", text); });
-    options.value("--up", "X,Y,Z", "Which way is up",
-                  [&](const std::string& text) { job.camera.up = parse_vec3("--up", text); });
-    options.value("--fov", "DEGREES", "Full angle of the picture's shorter side", [&](const std::string& text) {
-        job.camera.fov_degrees = static_cast<float>(parse_number("--fov", text, 0.001, 179.0));
-    });
-}
-
 static void add_technique_options(Options& options, RenderJob& job, Pending& pending)
 {
     RenderSettings& settings = job.settings;
@@ -200,7 +184,7 @@ std::optional<int> parse_render(const Arguments& arguments, RenderJob& job)
     options.positional("SCENE", "A file (.obj .ply .stl) or a built-in scene",
                        [&](const std::string& text) { job.scene = text; });
     add_picture_options(options, job, pending);
-    add_camera_options(options, job);
+    add_camera_options(options, job.camera);
     add_technique_options(options, job, pending);
     add_running_options(options, job);
     if (const auto code = options.parse(arguments)) return code;
