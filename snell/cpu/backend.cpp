@@ -130,9 +130,7 @@ void CpuBackend::finalize(const Batch& batch, const Region& tile, uint first_sam
                     note_dropped(film, pixel);
                     continue;
                 }
-                film.sum[pixel] += radiance;
-                film.square_sum[pixel] += sqr(luminance(radiance));
-                film.sample_count[pixel] += 1;
+                film.add_sample(pixel, radiance);
                 if (job_.settings.layers) {
                     film.layers.emission[pixel] += layers[layer_emission];
                     film.layers.direct[pixel] += layers[layer_direct];

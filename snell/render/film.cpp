@@ -7,6 +7,7 @@ Film::Film(int w, int h, bool with_layers) : width(w), height(h)
     const std::size_t n = static_cast<std::size_t>(w) * static_cast<std::size_t>(h);
     sum.assign(n, vec3(0.0f));
     square_sum.assign(n, 0.0f);
+    excess.assign(n, vec4(0.0f));
     sample_count.assign(n, 0);
     if (!with_layers) return;
     for (std::vector<vec3>* layer : {&layers.albedo, &layers.normal, &layers.geometric_normal, &layers.position,
@@ -19,6 +20,17 @@ Film::Film(int w, int h, bool with_layers) : width(w), height(h)
     layers.material.assign(n, none);
     layers.hit_count.assign(n, 0);
     layers.sample_count.assign(n, 0);
+}
+
+void Film::add_sample(std::size_t pixel, vec3 radiance)
+{
+    const vec4 before(sum[pixel], square_sum[pixel]);
+    const vec4 term = vec4(radiance, sqr(luminance(radiance))) - excess[pixel];
+    const vec4 after = before + term;
+    excess[pixel] = (after - before) - term;
+    sum[pixel] = vec3(after.x, after.y, after.z);
+    square_sum[pixel] = after.w;
+    sample_count[pixel] += 1;
 }
 
 // 1 / count; 0 where nothing was counted.

@@ -25,6 +25,7 @@ struct Film
     int width = 0, height = 0;
     std::vector<vec3> sum;              // of radiance
     std::vector<float> square_sum;      // of squared luminance, for the variance
+    std::vector<vec4> excess;           // what rounding has added to sum (xyz) and square_sum (w) beyond their due
     std::vector<uint> sample_count;     // of each pixel
     FilmLayers layers;                  // vectors are empty unless RenderSettings::layers
     std::vector<std::uint64_t> dropped; // (y * width + x) of the first 16 pixels with non-finite samples
@@ -32,6 +33,10 @@ struct Film
 
     Film() = default;
     Film(int width, int height, bool with_layers);
+
+    // Adds one finite sample. Summed with Kahan's compensation (1965): a million samples are as exact as one, where
+    // plain floats would have stopped growing.
+    void add_sample(std::size_t pixel, vec3 radiance);
 
     // Means; pixels without samples are black.
     Picture picture() const;

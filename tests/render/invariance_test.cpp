@@ -156,5 +156,23 @@ TEST(Overrides, ForceDiffuseAndNoTextures)
     for (const vec3& v : flat.layers.indirect) ASSERT_EQ(v, vec3(0.0f));
 }
 
+// Very many samples: a constant stays the constant, and the variance that of what was drawn.
+TEST(Film, LongSumsStayExact)
+{
+    Film film(1, 1, false);
+    constexpr int n = 3'000'000;
+    double squares = 0;
+    for (int i = 0; i < n; ++i) {
+        const float x = i % 2 == 0 ? 0.19f : 0.21f;
+        film.add_sample(0, vec3(0.2f, x, 0.2f));
+        const auto l = static_cast<double>(luminance(vec3(0.2f, x, 0.2f)));
+        squares += l * l;
+    }
+    const vec3 mean = film.picture().pixels[0];
+    EXPECT_NEAR(mean.x, 0.2f, 1e-7f);
+    EXPECT_NEAR(mean.y, 0.2f, 1e-7f);
+    EXPECT_NEAR(film.square_sum[0] / squares, 1, 1e-6);
+}
+
 } // namespace
 } // namespace snell::test

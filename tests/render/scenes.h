@@ -103,6 +103,7 @@ inline void expect_same_film(const Film& a, const Film& b)
     ASSERT_EQ(a.height, b.height);
     EXPECT_TRUE(same_bits(a.sum, b.sum)) << "sum";
     EXPECT_TRUE(same_bits(a.square_sum, b.square_sum)) << "square_sum";
+    EXPECT_TRUE(same_bits(a.excess, b.excess)) << "excess";
     EXPECT_EQ(a.sample_count, b.sample_count);
     EXPECT_EQ(a.dropped, b.dropped);
     EXPECT_EQ(a.dropped_samples, b.dropped_samples);
