@@ -30,10 +30,11 @@ SNELL_FN vec2 sample_disk(vec2 u)
 {
     float a = 2.0f * u.x - 1.0f;
     float b = 2.0f * u.y - 1.0f;
-    if (a == 0.0f && b == 0.0f) return vec2(0.0f, 0.0f);
-    if (abs(a) > abs(b)) return a * cos_sin_eighth(0.25f * pi * (b / a));
-    vec2 p = cos_sin_eighth(0.25f * pi * (a / b));
-    return b * vec2(p.y, p.x);
+    bool wide = abs(a) > abs(b); // as choices, not as branches: nobody can predict them
+    float r = wide ? a : b;
+    float slope = (wide ? b : a) / (r == 0.0f ? 1.0f : r);
+    vec2 p = cos_sin_eighth(0.25f * pi * slope);
+    return vec2(r * (wide ? p.x : p.y), r * (wide ? p.y : p.x));
 }
 
 SNELL_FN float pdf_disk()
@@ -99,8 +100,10 @@ SNELL_FN float pdf_uniform_cone(float one_minus_cos)
 // Between Triangle and Square. Density 1 / area.
 SNELL_FN vec2 sample_triangle(vec2 u)
 {
-    vec2 b = u.y > u.x ? vec2(0.5f * u.x, u.y - 0.5f * u.x) : vec2(u.x - 0.5f * u.y, 0.5f * u.y);
-    return b;
+    bool upper = u.y > u.x;
+    float small = 0.5f * (upper ? u.x : u.y);
+    float large = (upper ? u.y : u.x) - small;
+    return vec2(upper ? small : large, upper ? large : small);
 }
 
 SNELL_END
