@@ -29,7 +29,6 @@ using glm::vec2;
 using glm::vec3;
 using glm::vec4;
 
-using glm::abs;
 using glm::acos;
 using glm::asin;
 using glm::atan;
@@ -61,4 +60,18 @@ using glm::sqrt;
 using glm::tan;
 using glm::transpose;
 using glm::uintBitsToFloat;
+
+// glm's compares with 0 and branches, which no processor can predict; these clear the sign bit.
+inline float abs(float x)
+{
+    return __builtin_fabsf(x);
+}
+inline vec2 abs(vec2 v)
+{
+    return {abs(v.x), abs(v.y)};
+}
+inline vec3 abs(vec3 v)
+{
+    return {abs(v.x), abs(v.y), abs(v.z)};
+}
 } // namespace snell
