@@ -97,7 +97,7 @@ int run_render(const Arguments& arguments)
         written += (written.empty() ? "" : ", ") + output.string();
     }
 
-    const std::string spp = whole ? fmt::format("{}", settings.spp)
+    const std::string spp = whole ? fmt::format("{:.7g}", report.spp_done)
                                   : fmt::format("{}: {:.4g} of {}", interrupted ? "interrupted" : "out of time",
                                                 report.spp_done, settings.spp);
     console().info(fmt::format("wrote {} ({}x{}, {} samples a pixel)", written, settings.width, settings.height, spp));

@@ -108,6 +108,9 @@ static void add_running_options(Options& options, RenderJob& job)
                       settings.threads = static_cast<int>(parse_integer("--threads", text, 0, 4096));
                   });
     options.value(
+        "--target-error", "RELMSE", "Stop when the estimated error is down to that; --spp is the most it may take",
+        [&](const std::string& text) { settings.target_error = parse_number("--target-error", text, 1e-9, any); });
+    options.value(
         "--timeout", "SECONDS", "Stop rendering after that long and write what there is",
         [&](const std::string& text) { settings.timeout_seconds = parse_number("--timeout", text, 0.0, any); });
     options.flag_or_value("--stats", "[=json]", "More statistics; json: as one line of JSON on stdout, at the end",

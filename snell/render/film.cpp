@@ -1,5 +1,7 @@
 #include "snell/render/film.h"
 
+#include <limits>
+
 namespace snell {
 
 Film::Film(int w, int h, bool with_layers) : width(w), height(h)
@@ -39,6 +41,30 @@ static float share(uint count)
     return count > 0 ? 1.0f / static_cast<float>(count) : 0.0f;
 }
 
+double Film::mean_variance(std::size_t pixel) const
+{
+    const double n = sample_count[pixel];
+    if (n < 2) return 0;
+    const double mean = static_cast<double>(luminance(sum[pixel])) / n;
+    const double spread = static_cast<double>(square_sum[pixel]) / n - mean * mean;
+    return spread > 0 ? spread / (n - 1) : 0;
+}
+
+double Film::estimated_relmse(const Region& region) const
+{
+    double total = 0;
+    std::uint64_t pixels = 0;
+    for (int y = region.y0; y < region.y1; ++y)
+        for (int x = region.x0; x < region.x1; ++x, ++pixels) {
+            const std::size_t i =
+                static_cast<std::size_t>(y) * static_cast<std::size_t>(width) + static_cast<std::size_t>(x);
+            if (sample_count[i] < 2) return std::numeric_limits<double>::infinity();
+            const double mean = static_cast<double>(luminance(sum[i])) / sample_count[i];
+            total += mean_variance(i) / (mean * mean + 0.01);
+        }
+    return total / static_cast<double>(pixels);
+}
+
 Picture Film::picture() const
 {
     Picture picture{width, height, std::vector<vec3>(sum.size())};
@@ -70,16 +96,11 @@ static void add_channels(std::vector<Channel>& channels, const std::string& laye
 std::vector<Channel> Film::channels() const
 {
     std::vector<Channel> channels;
-    // Variance of the pixel's mean, unbiased: what a longer render has to bring down.
     Channel variance{"Variance.Y", std::vector<float>(sum.size()), {}};
     Channel count{"SampleCount.Y", std::vector<float>(sum.size()), {}};
     for (std::size_t i = 0; i < sum.size(); ++i) {
-        const double n = sample_count[i];
-        count.floats[i] = static_cast<float>(n);
-        if (n < 2) continue;
-        const double mean = static_cast<double>(luminance(sum[i])) / n;
-        const double spread = static_cast<double>(square_sum[i]) / n - mean * mean;
-        variance.floats[i] = static_cast<float>(spread > 0 ? spread / (n - 1) : 0);
+        count.floats[i] = static_cast<float>(sample_count[i]);
+        variance.floats[i] = static_cast<float>(mean_variance(i));
     }
     channels.push_back(std::move(variance));
     channels.push_back(std::move(count));

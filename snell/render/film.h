@@ -38,9 +38,14 @@ struct Film
     // plain floats would have stopped growing.
     void add_sample(std::size_t pixel, vec3 radiance);
 
+    // Variance of a pixel's mean, on luminance, estimated without bias; 0 with fewer than two samples.
+    double mean_variance(std::size_t pixel) const;
     // Means; pixels without samples are black.
     Picture picture() const;
-    // The layers as EXR channels (see CONVENTIONS: Z, Albedo.*, N.*, ..., Variance, SampleCount).
+    // The relMSE (mean of variance / (mean^2 + 0.01), on luminance) that the spread of the samples lets expect. Too
+    // high for the Sobol sampler, whose samples are better than independent ones. Infinite before the second sample.
+    double estimated_relmse(const Region& region) const;
+    // The layers as EXR channels: docs/exr.md.
     std::vector<Channel> channels() const;
 };
 

@@ -109,10 +109,12 @@ RenderResult render(const Prepared& prepared, const RenderSettings& settings, co
     };
 
     // Passes over the whole picture: when somebody stops the render, all of it has been worked on.
-    while (done < settings.spp && !stopped) {
+    bool good_enough = false;
+    while (done < settings.spp && !stopped && !good_enough) {
         const uint count = std::min(settings.spp - done, std::clamp(done, 8u, 64u));
         backend->render_samples(region, settings.first_sample + done, count, result.film, keep_going);
         if (!stopped) done += count;
+        good_enough = settings.target_error > 0 && result.film.estimated_relmse(region) <= settings.target_error;
     }
 
     result.stats = backend->stats();

@@ -31,6 +31,7 @@ struct RenderSettings
     int threads = 0;            // 0: all
     int tile_size = 0;          // pixels a side; 0: chosen. The picture does not depend on it
     double timeout_seconds = 0; // stop after that long; 0: never
+    double target_error = 0;    // stop when Film::estimated_relmse is down to this; 0: never
     bool pixel_jitter = true;   // false: every sample through the pixel's centre
     bool force_diffuse = false; // every material becomes Lambert
     bool image_textures = true;

@@ -1,6 +1,7 @@
 // What goes wrong on the way to a picture: samples that are no numbers, renders that are stopped, names that do not
 // exist.
 #include "snell/kernel/surface.h"
+#include "snell/lab/metrics.h"
 #include "snell/render/integrator.h"
 #include "tests/render/scenes.h"
 
@@ -172,6 +173,30 @@ TEST(Timeout, Stops)
     EXPECT_TRUE(result.stats.cancelled);
     EXPECT_GT(result.stats.samples, 0u);
     EXPECT_LT(result.stats.render_seconds, 20);
+}
+
+TEST(TargetError, StopsEarlyAndKeepsItsPromise)
+{
+    RenderSettings settings;
+    settings.width = settings.height = 32;
+    settings.spp = 4096;
+    settings.sampler = "independent"; // whose error is what the estimate assumes
+    settings.target_error = 0.02;
+    const RenderResult result = render(mixed_scene(), settings);
+    EXPECT_FALSE(result.stats.cancelled);
+    EXPECT_GE(result.film.sample_count[0], 8u);
+    EXPECT_LT(result.film.sample_count[0], 4096u);
+
+    RenderSettings reference = settings;
+    reference.target_error = 0;
+    reference.seed = 1;
+    const Film truth = render(mixed_scene(), reference).film;
+    const double error = compare_pictures(result.film.picture(), truth.picture()).relmse;
+    const double promised = result.film.estimated_relmse({0, 0, 32, 32});
+    EXPECT_LE(promised, settings.target_error);
+    // the estimate of a heavy-tailed variance from few samples is itself noisy
+    EXPECT_GT(error, 0.4 * promised);
+    EXPECT_LT(error, 2.5 * promised);
 }
 
 TEST(Names, ThatDoNotExist)
