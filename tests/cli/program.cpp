@@ -9,6 +9,7 @@
 #include <thread>
 
 #include <fcntl.h>
+#include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -56,6 +57,8 @@ void Program::start(const std::vector<std::string>& arguments)
         dup2(null, 0);
         dup2(out, 1);
         dup2(err, 2);
+        const rlimit limit{100, 110}; // seconds of CPU: a program that hangs fails its test
+        setrlimit(RLIMIT_CPU, &limit);
         if (chdir(folder_.c_str()) == 0) execv(argv[0], argv.data());
         _exit(127);
     }
