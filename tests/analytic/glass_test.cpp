@@ -109,6 +109,21 @@ TEST(Glass, AbsorptionCountsWorldDistances)
     expect_value(measure(scene, probe_settings("path", {{"rr", "0"}}, 4)), std::exp(-0.9 * 0.5), 1e-4);
 }
 
+// Seen from inside a medium, all is brighter by the square of its index: the light of a half space is squeezed into a
+// cone. From the centre of a ball all rays leave straight, and what is reflected comes back: n^2, whatever R is.
+TEST(Glass, RadianceInsideIsScaled)
+{
+    Scene scene;
+    scene.environment = vec3(1.0f);
+    add_sphere(scene, vec3(0.0f), 1.0f, glass(scene, 1.5f));
+    look(scene, vec3(0.0f), vec3(0.3f, 0.5f, 1.0f), 1.0f);
+    for (const Technique& t : techniques()) {
+        SCOPED_TRACE(t.name);
+        expect_value(measure(scene, probe_settings("path", t.parameters)), 2.25);
+    }
+    EXPECT_NEAR(measure(scene, probe_settings("whitted", {}, 1)).mean, 2.25, 0.01);
+}
+
 // In light of 1 from everywhere a body without absorption shows 1: what enters comes out again.
 TEST(Glass, ClearBodiesVanishInWhiteLight)
 {
