@@ -12,7 +12,7 @@ namespace {
 constexpr std::size_t prefetch_bytes = std::size_t{4} << 20;
 
 // Do neighbours in the batch point the same way, as camera rays and shadow rays to a small light do? They share nodes
-// and branches, and then tracing one after the other is faster than keeping many in flight.
+// and triangles, and then packets are faster than keeping many single rays in flight.
 bool is_coherent(std::span<const Ray> rays)
 {
     constexpr std::size_t pairs = 16;
@@ -45,8 +45,10 @@ class Bvh8 : public Accel
     void intersect(std::span<const Ray> rays, std::span<Hit> hits) const override
     {
         SNELL_CHECK_EQ(rays.size(), hits.size());
-        if (single || is_coherent(rays))
+        if (single)
             trace_single(input, rays, hits);
+        else if (is_coherent(rays))
+            trace_packets(input, rays, hits);
         else
             trace_stream(input, rays, hits);
     }
@@ -54,8 +56,10 @@ class Bvh8 : public Accel
     void occluded(std::span<const Ray> rays, std::span<std::uint8_t> blocked) const override
     {
         SNELL_CHECK_EQ(rays.size(), blocked.size());
-        if (single || is_coherent(rays))
+        if (single)
             trace_single_any(input, rays, blocked);
+        else if (is_coherent(rays))
+            trace_packets_any(input, rays, blocked);
         else
             trace_stream_any(input, rays, blocked);
     }

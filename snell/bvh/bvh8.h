@@ -5,7 +5,8 @@
 
 namespace snell {
 
-// Batches are traced with several rays in flight, or one by one if they are coherent; the answers are the same.
+// Batches are traced with several rays in flight, or in packets of 16 if they are coherent; the answers are
+// the same.
 std::unique_ptr<Accel> make_bvh8(const PackedScene& scene, const AccelOptions& options);
 
 // The same tree, one ray after the other.

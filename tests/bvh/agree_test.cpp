@@ -35,6 +35,28 @@ void for_each_target(const Body& body)
     hwy::SetSupportedTargetsForTest(0);
 }
 
+// The packet kernels themselves, whatever the accelerator would choose for these rays.
+void expect_packets(const PackedScene& scene, const std::vector<Ray>& rays, const std::vector<Hit>& expected,
+                    TriangleTest test)
+{
+    SCOPED_TRACE("packets");
+    const WideBvh bvh = build_wide(scene);
+    const TraceInput input = {&bvh, &scene, test, false};
+    for_each_target([&] {
+        std::vector<Hit> hits(rays.size());
+        std::vector<std::uint8_t> blocked(rays.size(), 77);
+        trace_packets(input, rays, hits);
+        trace_packets_any(input, rays, blocked);
+        int wrong = 0;
+        for (std::size_t i = 0; i < rays.size() && wrong < 3; ++i) {
+            if (same(hits[i], expected[i]) && blocked[i] == (is_hit(expected[i]) ? 1 : 0)) continue;
+            ++wrong;
+            ADD_FAILURE() << "expected " << describe(rays[i], expected[i]) << "\n     got "
+                          << describe(rays[i], hits[i]) << "\n blocked " << int(blocked[i]);
+        }
+    });
+}
+
 void expect_agreement(const PackedScene& scene, const std::vector<Ray>& rays, std::size_t least_hits,
                       TriangleTest test = TriangleTest::watertight)
 {
@@ -50,6 +72,7 @@ void expect_agreement(const PackedScene& scene, const std::vector<Ray>& rays, st
         ASSERT_EQ(expected_blocked[i], is_hit(expected[i]) ? 1 : 0);
     }
     EXPECT_GE(hits_found, least_hits) << "the test looks past the scene";
+    expect_packets(scene, rays, expected, test);
 
     for (const AccelInfo& info : accels()) {
         if (info.name == "brute") continue;
@@ -248,6 +271,100 @@ TEST(BvhAgrees, FarAndTinyScenes)
         end_world(scene);
         std::vector<Ray> rays = random_rays(random, 1000, scale);
         expect_agreement(scene, rays, 200);
+    }
+}
+
+// Coherent batches, pure and with every third ray replaced by one that has nothing to do with its neighbours, that is
+// hostile, or whose interval is its own.
+void expect_agreement_for_cameras(const PackedScene& scene, std::size_t least_hits)
+{
+    Random random(61);
+    const std::vector<Ray> hostile = hostile_rays(scene, random);
+    for (const vec3 eye : {vec3(0.1f, 0.2f, 3.0f), vec3(-2.0f, 2.1f, 2.0f), vec3(0.0f, 0.0f, 0.1f)})
+        for (const vec3 target : {vec3(0.0f), vec3(0.3f, -0.2f, 0.1f)}) {
+            std::vector<Ray> rays = camera_rays(eye, target, 1.2f, 5);
+            expect_agreement(scene, rays, least_hits);
+            const std::vector<Ray> others = random_rays(random, static_cast<int>(rays.size()));
+            for (std::size_t i = 0; i < rays.size(); i += 3) switch (i % 5) {
+                case 0:
+                    rays[i] = others[i];
+                    break;
+                case 1:
+                    rays[i] = hostile[(i * 7) % hostile.size()];
+                    break;
+                case 2:
+                    rays[i].t_min = random.range(0.0f, 1.5f);
+                    break;
+                default:
+                    rays[i].t_max = random.range(-0.1f, 1.5f);
+                }
+            expect_agreement(scene, rays, 0);
+            expect_agreement(scene, rays, 0, TriangleTest::moller_trumbore);
+            // The other way: towards one point, as shadow rays go.
+            for (Ray& ray : rays) ray = make_ray(ray_at(ray, 0.9f), eye - ray_at(ray, 0.9f), 1.0f);
+            expect_agreement(scene, rays, 0);
+        }
+}
+
+TEST(BvhAgrees, CameraRaysOnTriangles)
+{
+    for (const int count : {1, 3, 40, 1500}) {
+        Random random(static_cast<uint>(count));
+        PackedScene scene;
+        add_soup(scene, random, count, count > 1000 ? 0.1f : 0.5f);
+        add_triangle(scene, vec3(-9.0f, -9.0f, -2.0f), vec3(9.0f, -9.0f, -2.0f), vec3(0.0f, 9.0f, -2.0f));
+        end_world(scene);
+        expect_agreement_for_cameras(scene, 1);
+    }
+    PackedScene grids;
+    for (const float height : {-1.0f, -0.5f, 0.0f, 0.0f, 1.0f}) add_grid(grids, 10, height);
+    end_world(grids);
+    expect_agreement_for_cameras(grids, 50);
+    add_plane(grids, vec3(0.1f, 0.0f, 1.0f), -0.2f);
+    expect_agreement_for_cameras(grids, 200);
+}
+
+TEST(BvhAgrees, CameraRaysOnEverything)
+{
+    Random random(62);
+    PackedScene scene;
+    add_soup(scene, random, 60, 0.3f);
+    add_cloud(scene, random, 9, 0.4f);
+    end_group(scene);
+    add_soup(scene, random, 100, 0.2f);
+    add_grid(scene, 6, 0.0f);
+    add_cloud(scene, random, 20, 0.1f);
+    for (int i = 0; i < 20; ++i) {
+        const vec3 a = random.in_box(1.0f), b = random.in_box(1.0f);
+        add_triangle(scene, a, b, 0.5f * (a + b));
+        add_triangle(scene, a, b, vec3(std::nanf("")));
+    }
+    end_world(scene);
+    for (int i = 0; i < 20; ++i)
+        add_instance(scene, 0, compose(translation(random.in_box(1.0f)), scaling(vec3(random.range(0.1f, 0.4f)))));
+    expect_agreement_for_cameras(scene, 50);
+}
+
+// Straight down onto vertices and edges of squares: a whole packet of ties, with nothing left of the slack.
+TEST(BvhAgrees, ParallelRaysOnEdges)
+{
+    for (const float offset : {0.0f, 1000.0f}) {
+        PackedScene scene;
+        for (const float height : {-0.5f, 0.0f, 0.0f}) add_grid(scene, 16, height);
+        for (vec3& p : scene.positions) p += vec3(offset, -offset, 0.5f * offset);
+        end_world(scene);
+        for (int axis = 0; axis < 3; ++axis) {
+            std::vector<Ray> rays;
+            for (int i = -32; i <= 32; ++i)
+                for (int j = -16; j < 16; ++j) {
+                    const vec3 at(static_cast<float>(i) / 32.0f, static_cast<float>(j) / 16.0f, 0.0f);
+                    vec3 direction(0.0f, -0.0f, 0.0f);
+                    direction[axis] = -1.0f;
+                    rays.push_back(
+                        make_ray(at + vec3(offset, -offset, 0.5f * offset) - 2.0f * direction, direction, infinity()));
+                }
+            expect_agreement(scene, rays, axis == 2 ? rays.size() : 0);
+        }
     }
 }
 

@@ -138,6 +138,26 @@ inline std::vector<Ray> random_rays(Random& random, int count, float size = 1.0f
     return rays;
 }
 
+// Rays of a camera at `eye`, in blocks of 4 by 4 pixels, that sees about as much as a box of half the width `size`
+// around `target`. The same origin, much the same direction: what packets are for.
+inline std::vector<Ray> camera_rays(vec3 eye, vec3 target, float size, int blocks)
+{
+    const vec3 forward = target - eye;
+    const vec3 right = normalize(
+        cross(forward, std::abs(forward.y) < length(forward) * 0.9f ? vec3(0.0f, 1.0f, 0.0f) : vec3(1.0f, 0.0f, 0.0f)));
+    const vec3 up = normalize(cross(right, forward));
+    const auto place = [&](int pixel) {
+        return (static_cast<float>(pixel) / static_cast<float>(2 * blocks) - 1.0f) * size;
+    };
+    std::vector<Ray> rays;
+    for (int block = 0; block < blocks * blocks; ++block)
+        for (int i = 0; i < 16; ++i) {
+            const int x = block % blocks * 4 + i % 4, y = block / blocks * 4 + i / 4;
+            rays.push_back(ray_between(eye, target + place(x) * right + place(y) * up));
+        }
+    return rays;
+}
+
 // Rays that break tracers: along axes, with zero components of both signs, NaN, infinities, empty intervals, from
 // vertices and surfaces.
 inline std::vector<Ray> hostile_rays(const PackedScene& scene, Random& random)

@@ -90,12 +90,6 @@ class Walker
         return false;
     }
 
-    const TraceInput& input;
-    const WideBvh& bvh;
-    const std::span<const Ray> rays;
-    const std::size_t stride; // of Stacks
-
-  private:
     // Markers stay on the stack whatever the nearest hit.
     void push(RayState& s, ChildWord word) const
     {
@@ -104,6 +98,12 @@ class Walker
         ++s.stack_size;
     }
 
+    const TraceInput& input;
+    const WideBvh& bvh;
+    const std::span<const Ray> rays;
+    const std::size_t stride; // of Stacks
+
+  private:
     void enter_instance(RayState& s, uint index) const
     {
         const Instance& instance = input.scene->instances[index];
@@ -116,53 +116,58 @@ class Walker
     }
 };
 
+// Traces one ray until its stack is empty. For any hit: until the first, whose primitive is then 0, whatever it was.
+template <Query query, TriangleTest test>
+HWY_INLINE void walk(const Walker<query, test>& walker, RayState& s)
+{
+    const std::size_t stride = walker.stride;
+    const WideNode* const nodes = walker.bvh.nodes.data();
+    ChildWord* const stack = s.stack;
+    uint size = s.stack_size;
+    ChildWord current = s.current;
+    SlabRay slab_ray = load_slab_ray(s);
+    while (current != word_done) {
+        if (current <= child_index_mask) {
+            const WideNode& node = nodes[current];
+            const Slabs slabs = test_slabs(node, slab_ray, s.best, 0);
+            if (query == Query::counted) ++s.steps;
+            if (hn::MaxLanes(Slabs::Tag()) == node_width) {
+                // One child is the most frequent case, and neighbouring rays agree on it.
+                const uint met = mask_bits(Slabs::Tag(), hn::Le(slabs.enter, slabs.leave));
+                if (met != 0 && (met & (met - 1)) == 0) {
+                    current = node.child[hwy::Num0BitsBelowLS1Bit_Nonzero32(met)];
+                    continue;
+                }
+                if (met != 0) size = push_children<query>(node, s, slab_ray, slabs, stride, size);
+            } else {
+                size = push_children<query>(node, s, slab_ray, slabs, stride, size);
+            }
+        } else {
+            s.current = current;
+            s.stack_size = size;
+            const bool improved = walker.visit_leaf(s);
+            size = s.stack_size;
+            if (current >= make_child(uint(RefKind::instance), 0)) slab_ray = load_slab_ray(s);
+            if (improved && query == Query::any) {
+                s.hit.primitive = 0;
+                return;
+            }
+        }
+        do --size;
+        while (query != Query::any && uintBitsToFloat(stack[stride + size]) > s.best);
+        current = stack[size];
+    }
+}
+
 template <Query query, TriangleTest test, class Finish>
 HWY_INLINE void trace_one_by_one(const TraceInput& input, std::span<const Ray> rays, const Finish& finish)
 {
     Stacks stacks(1, input.bvh->stack_size);
-    const std::size_t stride = stacks.stride;
-    const Walker<query, test> walker(input, rays, stride);
-    const WideNode* const nodes = walker.bvh.nodes.data();
-    ChildWord* const stack = stacks.stack(0);
+    const Walker<query, test> walker(input, rays, stacks.stride);
     RayState s;
-    s.stack = stack;
+    s.stack = stacks.stack(0);
     for (std::size_t i = 0; i < rays.size(); ++i) {
-        if (walker.start(s, i)) {
-            uint size = s.stack_size;
-            ChildWord current = s.current;
-            SlabRay slab_ray = load_slab_ray(s);
-            while (current != word_done) {
-                if (current <= child_index_mask) {
-                    const WideNode& node = nodes[current];
-                    const Slabs slabs = test_slabs(node, slab_ray, s.best, 0);
-                    if (query == Query::counted) ++s.steps;
-                    if (hn::MaxLanes(Slabs::Tag()) == node_width) {
-                        // One child is the most frequent case, and neighbouring rays agree on it.
-                        const uint met = mask_bits(Slabs::Tag(), hn::Le(slabs.enter, slabs.leave));
-                        if (met != 0 && (met & (met - 1)) == 0) {
-                            current = node.child[hwy::Num0BitsBelowLS1Bit_Nonzero32(met)];
-                            continue;
-                        }
-                        if (met != 0) size = push_children<query>(node, s, slab_ray, slabs, stride, size);
-                    } else {
-                        size = push_children<query>(node, s, slab_ray, slabs, stride, size);
-                    }
-                } else {
-                    s.current = current;
-                    s.stack_size = size;
-                    const bool improved = walker.visit_leaf(s);
-                    size = s.stack_size;
-                    if (current >= make_child(uint(RefKind::instance), 0)) slab_ray = load_slab_ray(s);
-                    if (improved && query == Query::any) {
-                        s.hit.primitive = 0;
-                        break;
-                    }
-                }
-                do --size;
-                while (query != Query::any && uintBitsToFloat(stack[stride + size]) > s.best);
-                current = stack[size];
-            }
-        }
+        if (walker.start(s, i)) walk(walker, s);
         finish(s);
     }
 }

@@ -9,6 +9,7 @@
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 
+#include "snell/bvh/simd/packet-inl.h"
 #include "snell/bvh/simd/traverse-inl.h"
 
 #if HWY_ONCE
@@ -19,6 +20,8 @@ HWY_EXPORT(single_any);
 HWY_EXPORT(single_counted);
 HWY_EXPORT(stream_closest);
 HWY_EXPORT(stream_any);
+HWY_EXPORT(packets_closest);
+HWY_EXPORT(packets_any);
 
 void trace_single(const TraceInput& input, std::span<const Ray> rays, std::span<Hit> hits)
 {
@@ -43,6 +46,16 @@ void trace_stream(const TraceInput& input, std::span<const Ray> rays, std::span<
 void trace_stream_any(const TraceInput& input, std::span<const Ray> rays, std::span<std::uint8_t> blocked)
 {
     HWY_DYNAMIC_DISPATCH(stream_any)(input, rays, blocked);
+}
+
+void trace_packets(const TraceInput& input, std::span<const Ray> rays, std::span<Hit> hits)
+{
+    HWY_DYNAMIC_DISPATCH(packets_closest)(input, rays, hits);
+}
+
+void trace_packets_any(const TraceInput& input, std::span<const Ray> rays, std::span<std::uint8_t> blocked)
+{
+    HWY_DYNAMIC_DISPATCH(packets_any)(input, rays, blocked);
 }
 
 std::vector<std::int64_t> traversal_targets()

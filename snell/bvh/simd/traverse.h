@@ -23,6 +23,10 @@ void trace_counted(const TraceInput& input, std::span<const Ray> rays, std::span
 void trace_stream(const TraceInput& input, std::span<const Ray> rays, std::span<Hit> hits);
 void trace_stream_any(const TraceInput& input, std::span<const Ray> rays, std::span<std::uint8_t> blocked);
 
+// Sixteen rays together. For batches whose neighbours go much the same way; the same answers.
+void trace_packets(const TraceInput& input, std::span<const Ray> rays, std::span<Hit> hits);
+void trace_packets_any(const TraceInput& input, std::span<const Ray> rays, std::span<std::uint8_t> blocked);
+
 // The instruction sets that this build can choose from on this processor, as Highway's target bits. For tests and
 // reports; hwy::SetSupportedTargetsForTest() takes one.
 std::vector<std::int64_t> traversal_targets();

@@ -1,0 +1,470 @@
+// Packets: 16 rays that go through the tree together, for batches of rays that see much the same of the scene. A node
+// or a triangle is fetched once for all of them, and each operation works on whole vectors of rays. Compiled once for
+// each instruction set.
+#if defined(SNELL_BVH_SIMD_PACKET_INL_H) == defined(HWY_TARGET_TOGGLE)
+#ifdef SNELL_BVH_SIMD_PACKET_INL_H
+#undef SNELL_BVH_SIMD_PACKET_INL_H
+#else
+#define SNELL_BVH_SIMD_PACKET_INL_H
+#endif
+
+#include "snell/bvh/simd/traverse-inl.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace snell {
+namespace HWY_NAMESPACE {
+
+namespace hn = hwy::HWY_NAMESPACE;
+
+constexpr uint packet_size = 16;
+
+// Rays side by side. Lanes without a ray, and those that have found what they looked for, have best = -infinity: no
+// box and no triangle is as near as that.
+struct alignas(64) Packet
+{
+    using Tag = hn::CappedTag<float, packet_size>;
+
+    float origin[3][packet_size], direction[3][packet_size];                     // x, y, z
+    float inverse[3][packet_size], enter[3][packet_size], leave[3][packet_size]; // as in RayState
+    float shear[3][packet_size];                                                 // sx, sy, sz of ShearedRay
+    float t_min[packet_size], best[packet_size];
+    float t[packet_size], u[packet_size], v[packet_size]; // with the next two: Hit
+    uint primitive[packet_size], instance[packet_size];
+    uint ray_index[packet_size]; // in the batch
+    uint count;                  // lanes with a ray, the first ones
+    uint octant;                 // of all rays
+    int kx, ky, kz;              // of all rays
+};
+
+// What all rays of a packet have in common, as intervals: from where to where they start and how steep they are. One
+// slab test with these, on the eight children of a node at once, leaves out most of those that no ray meets.
+// Distances are taken as (plane - origin) * inverse here: as a difference of two products they would be as uncertain
+// as the slopes times the distance from the world's origin. The roundings are then those of the difference, the
+// product and the reciprocal, 3 u reach in the terms of RayState, and 2 u |origin|; the slack is twice that of single
+// rays.
+struct PacketBounds
+{
+    using Tag = SlabRay::Tag;
+    using Vec = SlabRay::Vec;
+    Vec enter_from[3], leave_from[3]; // the origins, moved back or forth, that enter first and leave last
+    Vec least[3], most[3];            // of inverse
+    Vec t_min;
+    SlabRows rows;
+};
+
+template <class Part>
+HWY_INLINE void for_parts(const Part& part)
+{
+    constexpr uint n = hn::MaxLanes(Packet::Tag());
+    for (uint i = 0; i < packet_size; i += n) part(i);
+}
+
+// Bits of 16 lanes from masks that arrive in parts.
+HWY_INLINE uint packet_bits(uint first, hn::Mask<Packet::Tag> mask)
+{
+    std::uint8_t bits[8] = {};
+    hn::StoreMaskBits(Packet::Tag(), mask, bits);
+    return (bits[0] | static_cast<uint>(bits[1]) << 8) << first;
+}
+
+HWY_INLINE float least_of(const float (&x)[packet_size])
+{
+    const Packet::Tag d;
+    auto r = hn::Load(d, x);
+    for_parts([&](uint i) HWY_ATTR { r = hn::Min(r, hn::Load(d, x + i)); });
+    return hn::GetLane(hn::MinOfLanes(d, r));
+}
+
+HWY_INLINE float most_of(const float (&x)[packet_size])
+{
+    const Packet::Tag d;
+    auto r = hn::Load(d, x);
+    for_parts([&](uint i) HWY_ATTR { r = hn::Max(r, hn::Load(d, x + i)); });
+    return hn::GetLane(hn::MaxOfLanes(d, r));
+}
+
+// The same as enter_space() for the rays that are in the packet, in world space.
+HWY_INLINE PacketBounds enter_world(Packet& p, const WideRoot& root)
+{
+    const Packet::Tag d;
+    alignas(64) float enter_from[3][packet_size], leave_from[3][packet_size];
+    for_parts([&](uint i) HWY_ATTR {
+        auto reach = hn::Zero(d), coordinate = hn::Zero(d);
+        for (int axis = 0; axis < 3; ++axis) {
+            const auto origin = hn::Load(d, p.origin[axis] + i);
+            const auto lower = hn::Set(d, root.lower[axis]), upper = hn::Set(d, root.upper[axis]);
+            reach = hn::Max(reach, hn::Max(hn::Abs(hn::Sub(lower, origin)), hn::Abs(hn::Sub(upper, origin))));
+            coordinate = hn::Max(coordinate, hn::Max(hn::Abs(origin), hn::Max(hn::Abs(lower), hn::Abs(upper))));
+        }
+        const auto limit = hn::Div(hn::Set(d, 1e36f), hn::Add(coordinate, hn::Set(d, 1e-2f)));
+        const auto far_slack = hn::Add(hn::Mul(reach, hn::Set(d, 0x1p-21f)), hn::Set(d, 1e-30f));
+        for (int axis = 0; axis < 3; ++axis) {
+            const auto origin = hn::Load(d, p.origin[axis] + i);
+            const auto reciprocal = hn::Div(hn::Set(d, 1.0f), hn::Load(d, p.direction[axis] + i));
+            const auto slack = hn::Add(hn::Mul(hn::Abs(origin), hn::Set(d, 0x1p-22f)), far_slack);
+            const auto along = hn::CopySign(slack, reciprocal);
+            const auto inverse = hn::Max(hn::Min(reciprocal, limit), hn::Neg(limit));
+            hn::Store(inverse, d, p.inverse[axis] + i);
+            hn::Store(hn::Mul(hn::Add(origin, along), inverse), d, p.enter[axis] + i);
+            hn::Store(hn::Mul(hn::Sub(origin, along), inverse), d, p.leave[axis] + i);
+            hn::Store(hn::Add(origin, hn::Add(along, along)), d, enter_from[axis] + i);
+            hn::Store(hn::Sub(origin, hn::Add(along, along)), d, leave_from[axis] + i);
+        }
+        const auto z = hn::Load(d, p.direction[p.kz] + i);
+        hn::Store(hn::Div(hn::Load(d, p.direction[p.kx] + i), z), d, p.shear[0] + i);
+        hn::Store(hn::Div(hn::Load(d, p.direction[p.ky] + i), z), d, p.shear[1] + i);
+        hn::Store(hn::Div(hn::Set(d, 1.0f), z), d, p.shear[2] + i);
+    });
+    const PacketBounds::Tag dn;
+    PacketBounds b;
+    b.rows = rows_by_octant[p.octant];
+    b.t_min = hn::Set(dn, least_of(p.t_min));
+    for (int axis = 0; axis < 3; ++axis) {
+        const bool negative = (p.octant >> axis & 1u) != 0;
+        b.enter_from[axis] = hn::Set(dn, negative ? least_of(enter_from[axis]) : most_of(enter_from[axis]));
+        b.leave_from[axis] = hn::Set(dn, negative ? most_of(leave_from[axis]) : least_of(leave_from[axis]));
+        b.least[axis] = hn::Set(dn, least_of(p.inverse[axis]));
+        b.most[axis] = hn::Set(dn, most_of(p.inverse[axis]));
+    }
+    return b;
+}
+
+// Children, as bits from far to near in the node's order, that some ray of the packet may meet.
+HWY_INLINE uint children_in_bounds(const WideNode& node, uint order, const PacketBounds& b, float best)
+{
+    const PacketBounds::Tag d;
+    constexpr std::size_t n = hn::MaxLanes(d);
+    uint bits = 0;
+    for (std::size_t half = 0; half < node_width; half += n) {
+        auto enter = b.t_min, leave = hn::Set(d, best);
+        for (int axis = 0; axis < 3; ++axis) {
+            const float* planes = &node.planes[0][0] + half;
+            const auto x = hn::Sub(hn::Load(d, planes + b.rows.enter[axis]), b.enter_from[axis]);
+            const auto y = hn::Sub(hn::Load(d, planes + b.rows.leave[axis]), b.leave_from[axis]);
+            enter = hn::Max(enter, hn::Min(hn::Mul(x, b.least[axis]), hn::Mul(x, b.most[axis])));
+            leave = hn::Min(leave, hn::Max(hn::Mul(y, b.least[axis]), hn::Mul(y, b.most[axis])));
+        }
+        const auto met = hn::Le(enter, leave);
+        if constexpr (n == node_width) {
+            const hn::RebindToUnsigned<PacketBounds::Tag> du;
+            const auto front_to_back = hn::Shr(hn::Set(du, order), hn::ShiftLeft<2>(hn::Iota(du, 0)));
+            const auto sorted = hn::TableLookupLanes(hn::VecFromMask(d, met), lanes_of(d, front_to_back));
+            return mask_bits(d, hn::MaskFromVec(sorted));
+        }
+        const uint part = mask_bits(d, met) << half;
+        for (uint i = 0; i < node_width; ++i) bits |= (part >> (order >> (4 * i) & 7u) & 1u) << i;
+    }
+    return bits;
+}
+
+template <Query query, TriangleTest test, class Finish>
+class PacketTracer
+{
+  public:
+    PacketTracer(const TraceInput& in, std::span<const Ray> batch, const Finish& when_done)
+        : input(in), bvh(*in.bvh), rays(batch), finish(when_done), stacks(1, in.bvh->stack_size),
+          walker(in, batch, stacks.stride), words(in.bvh->stack_size + node_width),
+          entries(in.bvh->stack_size + node_width)
+    {
+        for (RayState& s : states) s.stack = stacks.stack(0);
+    }
+
+    // Rays of the same octant and longest axis wait for each other until they are a packet.
+    void trace_all()
+    {
+        for (std::size_t i = 0; i < rays.size(); ++i) {
+            const Ray& ray = rays[i];
+            if (!is_traceable(ray) || bvh.world.word == word_done) {
+                trace_alone(i);
+                continue;
+            }
+            const vec3 d = ray.direction;
+            const uint octant =
+                floatBitsToUint(d.x) >> 31 | floatBitsToUint(d.y) >> 31 << 1 | floatBitsToUint(d.z) >> 31 << 2;
+            Waiting& group = waiting[octant * 3 + static_cast<uint>(longest_axis(d))];
+            group.ray[group.count++] = static_cast<uint>(i);
+            if (group.count == packet_size) trace_group(group);
+        }
+        for (Waiting& group : waiting) trace_group(group);
+    }
+
+  private:
+    struct Waiting
+    {
+        uint count = 0;
+        uint ray[packet_size];
+    };
+    struct alignas(64) Entry
+    {
+        float enter[packet_size]; // where each ray enters the box; +infinity: never
+    };
+
+    const TraceInput& input;
+    const WideBvh& bvh;
+    const std::span<const Ray> rays;
+    const Finish& finish;
+    Stacks stacks; // of a ray that goes its own way
+    const Walker<query, test> walker;
+    std::vector<ChildWord> words;
+    std::vector<Entry> entries;
+    Waiting waiting[24];
+    RayState states[packet_size];
+    uint prepared = 0; // bits of the states that belong to the current packet's rays
+
+    // Fewer than this are traced one by one.
+    static constexpr uint least_together = 3;
+
+    void trace_alone(std::size_t index)
+    {
+        RayState& s = states[0];
+        if (walker.start(s, index)) walk(walker, s);
+        finish(index, s.hit);
+    }
+
+    void trace_group(Waiting& group)
+    {
+        if (group.count < least_together) {
+            for (uint i = 0; i < group.count; ++i) trace_alone(group.ray[i]);
+        } else {
+            Packet p;
+            gather(p, group);
+            traverse(p);
+            for (uint lane = 0; lane < p.count; ++lane)
+                finish(p.ray_index[lane], Hit{p.t[lane], p.u[lane], p.v[lane], p.primitive[lane], p.instance[lane]});
+        }
+        group.count = 0;
+    }
+
+    void gather(Packet& p, const Waiting& group)
+    {
+        p.count = group.count;
+        for (uint lane = 0; lane < packet_size; ++lane) {
+            const uint index = group.ray[lane < group.count ? lane : 0];
+            const Ray& ray = rays[index];
+            const float numbers[8] = {ray.origin.x,    ray.origin.y,    ray.origin.z,    ray.t_min,
+                                      ray.direction.x, ray.direction.y, ray.direction.z, ray.t_max};
+            for (int axis = 0; axis < 3; ++axis) {
+                p.origin[axis][lane] = numbers[axis];
+                p.direction[axis][lane] = numbers[4 + axis];
+            }
+            p.t_min[lane] = numbers[3];
+            p.best[lane] = lane < group.count ? float_before(numbers[7]) : -INFINITY;
+            p.t[lane] = numbers[7];
+            p.u[lane] = p.v[lane] = 0.0f;
+            p.primitive[lane] = p.instance[lane] = none;
+            p.ray_index[lane] = index;
+        }
+        const vec3 d = rays[group.ray[0]].direction;
+        p.octant = floatBitsToUint(d.x) >> 31 | floatBitsToUint(d.y) >> 31 << 1 | floatBitsToUint(d.z) >> 31 << 2;
+        p.kz = longest_axis(d);
+        p.kx = next_axis[p.kz];
+        p.ky = next_axis[p.kx];
+        if (!input.scene->planes.empty()) meet_planes(p);
+        prepared = 0;
+    }
+
+    void meet_planes(Packet& p) const
+    {
+        for (uint lane = 0; lane < p.count; ++lane)
+            for (std::size_t i = 0; i < input.scene->planes.size(); ++i) {
+                const Plane& plane = input.scene->planes[i];
+                const Intersection r = intersect_plane(rays[p.ray_index[lane]], plane.normal, plane.offset);
+                const uint primitive = pack_primitive(kind_plane, static_cast<uint>(i));
+                const Hit found = {p.t[lane], 0.0f, 0.0f, p.primitive[lane], none};
+                if (!r.ok || !is_better_hit(r.t, primitive, none, found)) continue;
+                p.t[lane] = r.t;
+                p.primitive[lane] = primitive;
+                p.best[lane] = query == Query::any ? -INFINITY : r.t;
+            }
+    }
+
+    // Runs visit(state) for the ray of a lane, with what it has found, and takes over what it finds.
+    template <class Visit>
+    HWY_INLINE void visit_alone(Packet& p, uint lane, const Visit& visit)
+    {
+        RayState& s = states[lane];
+        if (!(prepared >> lane & 1u)) {
+            prepared |= 1u << lane;
+            s.ray_index = p.ray_index[lane];
+            s.t_min = p.t_min[lane];
+            s.steps = 0;
+            enter_space(s, rays[s.ray_index], bvh.world, none);
+        }
+        s.best = p.best[lane];
+        s.hit = {p.t[lane], p.u[lane], p.v[lane], p.primitive[lane], p.instance[lane]};
+        visit(s);
+        p.best[lane] = query == Query::any && is_hit(s.hit) ? -INFINITY : s.best;
+        p.t[lane] = s.hit.t;
+        p.u[lane] = s.hit.u;
+        p.v[lane] = s.hit.v;
+        p.primitive[lane] = s.hit.primitive;
+        p.instance[lane] = s.hit.instance;
+    }
+
+    // Everything below a child, for the rays in `lanes` one by one.
+    HWY_NOINLINE void visit_one_by_one(Packet& p, uint lanes, ChildWord word)
+    {
+        for (; lanes != 0; lanes &= lanes - 1)
+            visit_alone(p, static_cast<uint>(hwy::Num0BitsBelowLS1Bit_Nonzero32(lanes)), [&](RayState& s) HWY_ATTR {
+                s.stack_size = 0;
+                walker.push(s, word_done);
+                s.current = word;
+                walk(walker, s);
+            });
+    }
+
+    HWY_NOINLINE void visit_exactly(Packet& p, uint lanes, const TriangleBlock& block, uint triangle)
+    {
+        for (; lanes != 0; lanes &= lanes - 1)
+            visit_alone(p, static_cast<uint>(hwy::Num0BitsBelowLS1Bit_Nonzero32(lanes)),
+                        [&](RayState& s) HWY_ATTR { visit_triangle_exactly(block, triangle, s); });
+    }
+
+    // watertight() with vectors of rays instead of triangles.
+    HWY_INLINE void visit_triangle(Packet& p, const TriangleBlock& block, uint triangle)
+    {
+        const Packet::Tag d;
+        const hn::RebindToUnsigned<Packet::Tag> du;
+        const uint number = pack_primitive(kind_triangle, block.id[triangle]);
+        const auto corner = [&](int vertex, int axis) HWY_ATTR { return hn::Set(d, block.v[vertex][axis][triangle]); };
+        uint unsure_bits = 0;
+        for_parts([&](uint i) HWY_ATTR {
+            const auto ox = hn::Load(d, p.origin[p.kx] + i), oy = hn::Load(d, p.origin[p.ky] + i);
+            const auto oz = hn::Load(d, p.origin[p.kz] + i);
+            const auto sx = hn::Load(d, p.shear[0] + i), sy = hn::Load(d, p.shear[1] + i);
+            const auto az = hn::Sub(corner(0, p.kz), oz);
+            const auto bz = hn::Sub(corner(1, p.kz), oz);
+            const auto cz = hn::Sub(corner(2, p.kz), oz);
+            const auto ax = hn::Sub(hn::Sub(corner(0, p.kx), ox), hn::Mul(sx, az));
+            const auto ay = hn::Sub(hn::Sub(corner(0, p.ky), oy), hn::Mul(sy, az));
+            const auto bx = hn::Sub(hn::Sub(corner(1, p.kx), ox), hn::Mul(sx, bz));
+            const auto by = hn::Sub(hn::Sub(corner(1, p.ky), oy), hn::Mul(sy, bz));
+            const auto cx = hn::Sub(hn::Sub(corner(2, p.kx), ox), hn::Mul(sx, cz));
+            const auto cy = hn::Sub(hn::Sub(corner(2, p.ky), oy), hn::Mul(sy, cz));
+            const auto w0 = hn::Sub(hn::Mul(cx, by), hn::Mul(cy, bx));
+            const auto w1 = hn::Sub(hn::Mul(ax, cy), hn::Mul(ay, cx));
+            const auto w2 = hn::Sub(hn::Mul(bx, ay), hn::Mul(by, ax));
+            const auto side = hn::Mul(hn::Min(w0, hn::Min(w1, w2)), hn::Max(w0, hn::Max(w1, w2)));
+            const auto best = hn::Load(d, p.best + i);
+            const auto searching = hn::Ne(best, hn::Set(d, -INFINITY));
+            const auto unsure = hn::And(hn::Eq(side, hn::Zero(d)), searching);
+            const auto inside = hn::And(hn::Gt(side, hn::Zero(d)), searching);
+            if (HWY_LIKELY(hn::AllFalse(d, hn::Or(inside, unsure)))) return;
+            unsure_bits |= packet_bits(i, unsure);
+
+            const auto sz = hn::Load(d, p.shear[2] + i);
+            const auto det = hn::Add(hn::Add(w0, w1), w2);
+            const auto weighted = hn::Add(hn::Add(hn::Mul(w0, hn::Mul(sz, az)), hn::Mul(w1, hn::Mul(sz, bz))),
+                                          hn::Mul(w2, hn::Mul(sz, cz)));
+            const auto t = hn::Div(weighted, det);
+            const auto near = hn::And(hn::Gt(t, hn::Load(d, p.t_min + i)), hn::Le(t, best));
+            const auto ok = hn::And(inside, near);
+            // is_better_hit(): the packet is in world space, where an instance never decides a tie for the newcomer.
+            const auto old_t = hn::Load(d, p.t + i);
+            const auto old_number = hn::Load(du, p.primitive + i);
+            const auto before =
+                hn::MaskFromVec(hn::BitCast(d, hn::VecFromMask(du, hn::Gt(old_number, hn::Set(du, number)))));
+            const auto better = hn::And(ok, hn::Or(hn::Lt(t, old_t), hn::And(hn::Eq(t, old_t), before)));
+            if (hn::AllFalse(d, better)) return;
+            const auto better_u = hn::MaskFromVec(hn::BitCast(du, hn::VecFromMask(d, better)));
+            hn::Store(hn::IfThenElse(better, t, old_t), d, p.t + i);
+            hn::Store(hn::IfThenElse(better, hn::Div(w1, det), hn::Load(d, p.u + i)), d, p.u + i);
+            hn::Store(hn::IfThenElse(better, hn::Div(w2, det), hn::Load(d, p.v + i)), d, p.v + i);
+            hn::Store(hn::IfThenElse(better_u, hn::Set(du, number), old_number), du, p.primitive + i);
+            hn::Store(hn::IfThenElse(better_u, hn::Set(du, none), hn::Load(du, p.instance + i)), du, p.instance + i);
+            const auto next = query == Query::any ? hn::Set(d, -INFINITY) : t;
+            hn::Store(hn::IfThenElse(better, next, best), d, p.best + i);
+        });
+        if (HWY_UNLIKELY(unsure_bits != 0)) visit_exactly(p, unsure_bits, block, triangle);
+    }
+
+    void traverse(Packet& p)
+    {
+        const Packet::Tag d;
+        const PacketBounds bounds = enter_world(p, bvh.world);
+        const WideNode* const nodes = bvh.nodes.data();
+        float best = most_of(p.best);
+        if (best == -INFINITY) return;
+        std::size_t size = 1;
+        words[0] = bvh.world.word;
+        for_parts([&](uint i) HWY_ATTR { hn::Store(hn::Set(d, -FLT_MAX), d, entries[0].enter + i); });
+        while (size > 0) {
+            --size;
+            const ChildWord word = words[size];
+            uint active = 0;
+            for_parts([&](uint i) HWY_ATTR {
+                active |= packet_bits(i, hn::Le(hn::Load(d, entries[size].enter + i), hn::Load(d, p.best + i)));
+            });
+            if (active == 0) continue;
+            if (word <= child_index_mask) {
+                if (hwy::PopCount(active) >= least_together) {
+                    size = push_children(nodes[word], p, bounds, best, size);
+                    continue;
+                }
+                visit_one_by_one(p, active, word);
+            } else if (test == TriangleTest::watertight && RefKind(word >> 30) == RefKind::triangle) {
+                const TriangleBlock& block = bvh.triangles[word & child_index_mask];
+                for (uint i = 0; i < max_leaf_size && block.id[i] != none; ++i) visit_triangle(p, block, i);
+            } else {
+                visit_one_by_one(p, active, word);
+            }
+            best = most_of(p.best);
+            if (query == Query::any && best == -INFINITY) return;
+        }
+    }
+
+    // Pushes the children that any ray meets, the nearest last. Returns the new number of entries.
+    HWY_INLINE std::size_t push_children(const WideNode& node, const Packet& p, const PacketBounds& bounds, float best,
+                                         std::size_t size)
+    {
+        const Packet::Tag d;
+        const uint order = node.order[p.octant];
+        for (uint rest = children_in_bounds(node, order, bounds, best); rest != 0; rest &= rest - 1) {
+            const auto at = static_cast<uint>(hwy::Num0BitsBelowLS1Bit_Nonzero32(rest));
+            const uint child = order >> (4 * at) & (node_width - 1);
+            const float* const planes = &node.planes[0][0] + child;
+            bool met = false;
+            for_parts([&](uint i) HWY_ATTR {
+                auto enter = hn::Load(d, p.t_min + i), leave = hn::Load(d, p.best + i);
+                for (int axis = 0; axis < 3; ++axis) {
+                    const auto inverse = hn::Load(d, p.inverse[axis] + i);
+                    enter = hn::Max(enter, hn::MulSub(hn::Set(d, planes[bounds.rows.enter[axis]]), inverse,
+                                                      hn::Load(d, p.enter[axis] + i)));
+                    leave = hn::Min(leave, hn::MulSub(hn::Set(d, planes[bounds.rows.leave[axis]]), inverse,
+                                                      hn::Load(d, p.leave[axis] + i)));
+                }
+                const auto hit = hn::Le(enter, leave);
+                met = met || !hn::AllFalse(d, hit);
+                hn::Store(hn::IfThenElse(hit, enter, hn::Set(d, INFINITY)), d, entries[size].enter + i);
+            });
+            words[size] = node.child[child];
+            size += met;
+        }
+        return size;
+    }
+};
+
+template <Query query, class Finish>
+HWY_INLINE void in_packets(const TraceInput& input, std::span<const Ray> rays, const Finish& finish)
+{
+    if (input.triangle_test == TriangleTest::watertight)
+        PacketTracer<query, TriangleTest::watertight, Finish>(input, rays, finish).trace_all();
+    else
+        PacketTracer<query, TriangleTest::moller_trumbore, Finish>(input, rays, finish).trace_all();
+}
+
+void packets_closest(const TraceInput& input, std::span<const Ray> rays, std::span<Hit> hits)
+{
+    in_packets<Query::closest>(input, rays, [&](std::size_t index, const Hit& hit) { hits[index] = hit; });
+}
+
+void packets_any(const TraceInput& input, std::span<const Ray> rays, std::span<std::uint8_t> blocked)
+{
+    in_packets<Query::any>(input, rays, [&](std::size_t index, const Hit& hit) { blocked[index] = is_hit(hit); });
+}
+
+} // namespace HWY_NAMESPACE
+} // namespace snell
+HWY_AFTER_NAMESPACE();
+
+#endif
