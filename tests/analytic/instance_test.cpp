@@ -21,6 +21,7 @@ std::vector<Placement> placements()
             {"stretched", compose(up, scaling(vec3(0.5f, 3.0f, 1.5f)))},
             {"stretched and turned",
              compose(up, compose(rotation(vec3(0.0f, 1.0f, 1.0f), 20.0f), scaling(vec3(0.5f, 2.0f, 1.5f))))},
+            {"sheared", compose(up, compose(scaling(vec3(0.5f, 2.0f, 1.5f)), rotation(vec3(1.0f, 0.0f, 1.0f), 30.0f)))},
             {"mirrored in x", compose(up, scaling(vec3(-1.0f, 1.0f, 1.0f)))},
             {"mirrored through a point",
              compose(up, compose(rotation(vec3(1.0f, 0.0f, 0.0f), 180.0f), scaling(vec3(-1.0f))))}};
@@ -107,12 +108,12 @@ TEST(Instances, ReflectionsTurnWithTheSurface)
     group.meshes = {add(scene, mesh)};
     InstanceDesc instance;
     instance.group = add(scene, group);
-    // tilted by 45 degrees and squeezed: the normal must turn by the inverse transpose
-    instance.transform = compose(rotation(vec3(0.0f, 0.0f, 1.0f), 45.0f), scaling(vec3(3.0f, 0.1f, 1.0f)));
+    // Turned by atan(1/2) and stretched by 2 it lies at 45 degrees; its normal must turn by the inverse transpose.
+    instance.transform = compose(scaling(vec3(1.0f, 2.0f, 1.0f)), rotation(vec3(0.0f, 0.0f, 1.0f), 26.565051f));
     add(scene, instance);
     instance.transform = translation(vec3(0.0f, -30.0f, 0.0f));
     add(scene, instance);
-    add_plane(scene, vec3(-9.0f, 0.0f, 0.0f), vec3(1.0f, 0.0f, 0.0f), diffuse(scene, 0.0f, 2.0f));
+    add_sphere(scene, vec3(-9.0f, 0.0f, 0.0f), 0.05f, diffuse(scene, 0.0f, 2.0f));
     look(scene, vec3(0.0f, 5.0f, 0.0f), vec3(0.0f), 1e-3f); // from above, into -x
     expect_value(measure(scene, probe_settings("path", {{"rr", "0"}}, 4)), 1, 1e-5);
     expect_value(measure(scene, probe_settings("whitted", {}, 4)), 1, 1e-5);
