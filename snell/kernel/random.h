@@ -111,7 +111,8 @@ SNELL_FN vec2 random_2d(SampleKey key, uint dimension)
         uvec2 s = scrambled_sobol(key.reversed_index, hash_uint(key.pixel + dimension * 0x9e3779b9u));
         return vec2(unit_float(s.x), unit_float(s.y));
     }
-    uvec3 r = pcg3d(uvec3(key.pixel, key.reversed_index, dimension));
+    // the index itself: this hash mixes upwards, and would leave numbers that differ in their upper bits alike
+    uvec3 r = pcg3d(uvec3(key.pixel, reverse_bits(key.reversed_index), dimension));
     return vec2(unit_float(r.x), unit_float(r.y));
 }
 
