@@ -27,6 +27,10 @@ bool is_coherent(std::span<const Ray> rays)
     return alike >= pairs * 3 / 4;
 }
 
+// Trees of so few nodes are faster in packets whichever way the rays go, for all of them visit the same nodes; measured
+// for random rays in rooms full of boxes, with vectors of 4, 8 and 16.
+constexpr std::size_t small_tree = 20;
+
 class Bvh8 : public Accel
 {
   public:
@@ -39,29 +43,36 @@ class Bvh8 : public Accel
         stats.nodes = bvh.nodes.size();
         stats.leaves = bvh.leaves;
         stats.sah_cost = bvh.sah_cost;
+        // Packets go through instances, and do Moeller and Trumbore's test, ray by ray: then they gain nothing.
+        packets = scene.instances.empty() && options.triangle_test == TriangleTest::watertight;
+        small = bvh.nodes.size() <= small_tree;
         input = {&bvh, &scene, options.triangle_test, stats.bytes > prefetch_bytes};
     }
 
     void intersect(std::span<const Ray> rays, std::span<Hit> hits) const override
     {
         SNELL_CHECK_EQ(rays.size(), hits.size());
-        if (single)
-            trace_single(input, rays, hits);
-        else if (is_coherent(rays))
-            trace_packets(input, rays, hits);
-        else
-            trace_stream(input, rays, hits);
+        switch (choose_kernel(rays)) {
+        case Kernel::single:
+            return trace_single(input, rays, hits);
+        case Kernel::packets:
+            return trace_packets(input, rays, hits);
+        case Kernel::stream:
+            return trace_stream(input, rays, hits);
+        }
     }
 
     void occluded(std::span<const Ray> rays, std::span<std::uint8_t> blocked) const override
     {
         SNELL_CHECK_EQ(rays.size(), blocked.size());
-        if (single)
-            trace_single_any(input, rays, blocked);
-        else if (is_coherent(rays))
-            trace_packets_any(input, rays, blocked);
-        else
-            trace_stream_any(input, rays, blocked);
+        switch (choose_kernel(rays)) {
+        case Kernel::single:
+            return trace_single_any(input, rays, blocked);
+        case Kernel::packets:
+            return trace_packets_any(input, rays, blocked);
+        case Kernel::stream:
+            return trace_stream_any(input, rays, blocked);
+        }
     }
 
     void intersect_counted(std::span<const Ray> rays, std::span<Hit> hits, std::span<uint> steps) const override
@@ -72,9 +83,25 @@ class Bvh8 : public Accel
     }
 
   private:
+    enum class Kernel
+    {
+        single,
+        packets,
+        stream
+    };
+
     WideBvh bvh;
     TraceInput input;
-    bool single;
+    const bool single;
+    bool packets = false, small = false;
+
+    Kernel choose_kernel(std::span<const Ray> rays) const
+    {
+        if (single) return Kernel::single;
+        if (packets && small) return Kernel::packets;
+        if (!is_coherent(rays)) return Kernel::stream;
+        return packets ? Kernel::packets : Kernel::single;
+    }
 };
 
 } // namespace

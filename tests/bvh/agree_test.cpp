@@ -35,26 +35,35 @@ void for_each_target(const Body& body)
     hwy::SetSupportedTargetsForTest(0);
 }
 
-// The packet kernels themselves, whatever the accelerator would choose for these rays.
-void expect_packets(const PackedScene& scene, const std::vector<Ray>& rays, const std::vector<Hit>& expected,
+// The kernels for batches themselves, whichever the accelerator would choose for this scene and these rays.
+void expect_kernels(const PackedScene& scene, const std::vector<Ray>& rays, const std::vector<Hit>& expected,
                     TriangleTest test)
 {
-    SCOPED_TRACE("packets");
+    struct Kernel
+    {
+        const char* name;
+        void (*closest)(const TraceInput&, std::span<const Ray>, std::span<Hit>);
+        void (*any)(const TraceInput&, std::span<const Ray>, std::span<std::uint8_t>);
+    };
     const WideBvh bvh = build_wide(scene);
     const TraceInput input = {&bvh, &scene, test, false};
-    for_each_target([&] {
-        std::vector<Hit> hits(rays.size());
-        std::vector<std::uint8_t> blocked(rays.size(), 77);
-        trace_packets(input, rays, hits);
-        trace_packets_any(input, rays, blocked);
-        int wrong = 0;
-        for (std::size_t i = 0; i < rays.size() && wrong < 3; ++i) {
-            if (same(hits[i], expected[i]) && blocked[i] == (is_hit(expected[i]) ? 1 : 0)) continue;
-            ++wrong;
-            ADD_FAILURE() << "expected " << describe(rays[i], expected[i]) << "\n     got "
-                          << describe(rays[i], hits[i]) << "\n blocked " << int(blocked[i]);
-        }
-    });
+    for (const Kernel& kernel :
+         {Kernel{"stream", trace_stream, trace_stream_any}, Kernel{"packets", trace_packets, trace_packets_any}}) {
+        SCOPED_TRACE(kernel.name);
+        for_each_target([&] {
+            std::vector<Hit> hits(rays.size());
+            std::vector<std::uint8_t> blocked(rays.size(), 77);
+            kernel.closest(input, rays, hits);
+            kernel.any(input, rays, blocked);
+            int wrong = 0;
+            for (std::size_t i = 0; i < rays.size() && wrong < 3; ++i) {
+                if (same(hits[i], expected[i]) && blocked[i] == (is_hit(expected[i]) ? 1 : 0)) continue;
+                ++wrong;
+                ADD_FAILURE() << "expected " << describe(rays[i], expected[i]) << "\n     got "
+                              << describe(rays[i], hits[i]) << "\n blocked " << int(blocked[i]);
+            }
+        });
+    }
 }
 
 void expect_agreement(const PackedScene& scene, const std::vector<Ray>& rays, std::size_t least_hits,
@@ -72,7 +81,7 @@ void expect_agreement(const PackedScene& scene, const std::vector<Ray>& rays, st
         ASSERT_EQ(expected_blocked[i], is_hit(expected[i]) ? 1 : 0);
     }
     EXPECT_GE(hits_found, least_hits) << "the test looks past the scene";
-    expect_packets(scene, rays, expected, test);
+    expect_kernels(scene, rays, expected, test);
 
     for (const AccelInfo& info : accels()) {
         if (info.name == "brute") continue;
@@ -322,6 +331,22 @@ TEST(BvhAgrees, CameraRaysOnTriangles)
     expect_agreement_for_cameras(grids, 50);
     add_plane(grids, vec3(0.1f, 0.0f, 1.0f), -0.2f);
     expect_agreement_for_cameras(grids, 200);
+}
+
+TEST(BvhAgrees, CameraRaysOnSpheres)
+{
+    for (const int count : {1, 4, 300}) {
+        Random random(static_cast<uint>(count));
+        PackedScene scene;
+        add_cloud(scene, random, count, 0.3f);
+        add_sphere(scene, vec3(0.0f), 0.8f);
+        add_sphere(scene, vec3(0.0f), 0.8f); // twice: the first one wins
+        add_sphere(scene, vec3(0.0f, std::nanf(""), 0.0f), 1.0f);
+        add_sphere(scene, vec3(0.1f), 0.0f);
+        add_sphere(scene, vec3(0.0f, 0.0f, -1000.0f), 999.0f);
+        end_world(scene);
+        expect_agreement_for_cameras(scene, 100);
+    }
 }
 
 TEST(BvhAgrees, CameraRaysOnEverything)

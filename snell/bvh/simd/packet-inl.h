@@ -8,6 +8,7 @@
 #define SNELL_BVH_SIMD_PACKET_INL_H
 #endif
 
+#include "snell/bvh/simd/packet_rays-inl.h"
 #include "snell/bvh/simd/traverse-inl.h"
 
 HWY_BEFORE_NAMESPACE();
@@ -16,145 +17,78 @@ namespace HWY_NAMESPACE {
 
 namespace hn = hwy::HWY_NAMESPACE;
 
-constexpr uint packet_size = 16;
-
-// Rays side by side. Lanes without a ray, and those that have found what they looked for, have best = -infinity: no
-// box and no triangle is as near as that.
-struct alignas(64) Packet
-{
-    using Tag = hn::CappedTag<float, packet_size>;
-
-    float origin[3][packet_size], direction[3][packet_size];                     // x, y, z
-    float inverse[3][packet_size], enter[3][packet_size], leave[3][packet_size]; // as in RayState
-    float shear[3][packet_size];                                                 // sx, sy, sz of ShearedRay
-    float t_min[packet_size], best[packet_size];
-    float t[packet_size], u[packet_size], v[packet_size]; // with the next two: Hit
-    uint primitive[packet_size], instance[packet_size];
-    uint ray_index[packet_size]; // in the batch
-    uint count;                  // lanes with a ray, the first ones
-    uint octant;                 // of all rays
-    int kx, ky, kz;              // of all rays
-};
-
-// What all rays of a packet have in common, as intervals: from where to where they start and how steep they are. One
-// slab test with these, on the eight children of a node at once, leaves out most of those that no ray meets.
-// Distances are taken as (plane - origin) * inverse here: as a difference of two products they would be as uncertain
-// as the slopes times the distance from the world's origin. The roundings are then those of the difference, the
-// product and the reciprocal, 3 u reach in the terms of RayState, and 2 u |origin|; the slack is twice that of single
-// rays.
-struct PacketBounds
-{
-    using Tag = SlabRay::Tag;
-    using Vec = SlabRay::Vec;
-    Vec enter_from[3], leave_from[3]; // the origins, moved back or forth, that enter first and leave last
-    Vec least[3], most[3];            // of inverse
-    Vec t_min;
-    SlabRows rows;
-};
-
-template <class Part>
-HWY_INLINE void for_parts(const Part& part)
-{
-    constexpr uint n = hn::MaxLanes(Packet::Tag());
-    for (uint i = 0; i < packet_size; i += n) part(i);
-}
-
-// Bits of 16 lanes from masks that arrive in parts.
-HWY_INLINE uint packet_bits(uint first, hn::Mask<Packet::Tag> mask)
-{
-    std::uint8_t bits[8] = {};
-    hn::StoreMaskBits(Packet::Tag(), mask, bits);
-    return (bits[0] | static_cast<uint>(bits[1]) << 8) << first;
-}
-
-HWY_INLINE float least_of(const float (&x)[packet_size])
+// Lanes of `ok` where (t, number) is_better_hit(). A packet is in world space, where the instance never decides a tie
+// for the newcomer.
+HWY_INLINE hn::Mask<Packet::Tag> better_lanes(const Packet& p, uint first, hn::Mask<Packet::Tag> ok,
+                                              hn::Vec<Packet::Tag> t, uint number)
 {
     const Packet::Tag d;
-    auto r = hn::Load(d, x);
-    for_parts([&](uint i) HWY_ATTR { r = hn::Min(r, hn::Load(d, x + i)); });
-    return hn::GetLane(hn::MinOfLanes(d, r));
+    const hn::RebindToUnsigned<Packet::Tag> du;
+    const auto old_t = hn::Load(d, p.t + first);
+    const auto smaller = hn::VecFromMask(du, hn::Gt(hn::Load(du, p.primitive + first), hn::Set(du, number)));
+    const auto wins_tie = hn::And(hn::Eq(t, old_t), hn::MaskFromVec(hn::BitCast(d, smaller)));
+    return hn::And(ok, hn::Or(hn::Lt(t, old_t), wins_tie));
 }
 
-HWY_INLINE float most_of(const float (&x)[packet_size])
+template <Query query>
+HWY_INLINE void accept_lanes(Packet& p, uint first, hn::Mask<Packet::Tag> lanes, hn::Vec<Packet::Tag> t,
+                             hn::Vec<Packet::Tag> u, hn::Vec<Packet::Tag> v, uint number)
 {
     const Packet::Tag d;
-    auto r = hn::Load(d, x);
-    for_parts([&](uint i) HWY_ATTR { r = hn::Max(r, hn::Load(d, x + i)); });
-    return hn::GetLane(hn::MaxOfLanes(d, r));
+    const hn::RebindToUnsigned<Packet::Tag> du;
+    const auto put = [&](hn::Vec<Packet::Tag> x, float* to)
+                         HWY_ATTR { hn::Store(hn::IfThenElse(lanes, x, hn::Load(d, to)), d, to); };
+    const auto put_uint = [&](uint x, uint* to) HWY_ATTR {
+        const auto set = hn::MaskFromVec(hn::BitCast(du, hn::VecFromMask(d, lanes)));
+        hn::Store(hn::IfThenElse(set, hn::Set(du, x), hn::Load(du, to)), du, to);
+    };
+    put(t, p.t + first);
+    put(u, p.u + first);
+    put(v, p.v + first);
+    put_uint(number, p.primitive + first);
+    put_uint(none, p.instance + first);
+    put(query == Query::any ? hn::Set(d, -INFINITY) : t, p.best + first);
 }
 
-// The same as enter_space() for the rays that are in the packet, in world space.
-HWY_INLINE PacketBounds enter_world(Packet& p, const WideRoot& root)
+// intersect_sphere(), operation by operation, on vectors of rays.
+template <Query query>
+HWY_INLINE void visit_sphere(Packet& p, const Sphere& ball, uint number)
 {
     const Packet::Tag d;
-    alignas(64) float enter_from[3][packet_size], leave_from[3][packet_size];
+    const auto zero = hn::Zero(d);
+    const auto dot = [](auto ax, auto ay, auto az, auto bx, auto by, auto bz)
+                         HWY_ATTR { return hn::Add(hn::Add(hn::Mul(ax, bx), hn::Mul(ay, by)), hn::Mul(az, bz)); };
     for_parts([&](uint i) HWY_ATTR {
-        auto reach = hn::Zero(d), coordinate = hn::Zero(d);
-        for (int axis = 0; axis < 3; ++axis) {
-            const auto origin = hn::Load(d, p.origin[axis] + i);
-            const auto lower = hn::Set(d, root.lower[axis]), upper = hn::Set(d, root.upper[axis]);
-            reach = hn::Max(reach, hn::Max(hn::Abs(hn::Sub(lower, origin)), hn::Abs(hn::Sub(upper, origin))));
-            coordinate = hn::Max(coordinate, hn::Max(hn::Abs(origin), hn::Max(hn::Abs(lower), hn::Abs(upper))));
-        }
-        const auto limit = hn::Div(hn::Set(d, 1e36f), hn::Add(coordinate, hn::Set(d, 1e-2f)));
-        const auto far_slack = hn::Add(hn::Mul(reach, hn::Set(d, 0x1p-21f)), hn::Set(d, 1e-30f));
-        for (int axis = 0; axis < 3; ++axis) {
-            const auto origin = hn::Load(d, p.origin[axis] + i);
-            const auto reciprocal = hn::Div(hn::Set(d, 1.0f), hn::Load(d, p.direction[axis] + i));
-            const auto slack = hn::Add(hn::Mul(hn::Abs(origin), hn::Set(d, 0x1p-22f)), far_slack);
-            const auto along = hn::CopySign(slack, reciprocal);
-            const auto inverse = hn::Max(hn::Min(reciprocal, limit), hn::Neg(limit));
-            hn::Store(inverse, d, p.inverse[axis] + i);
-            hn::Store(hn::Mul(hn::Add(origin, along), inverse), d, p.enter[axis] + i);
-            hn::Store(hn::Mul(hn::Sub(origin, along), inverse), d, p.leave[axis] + i);
-            hn::Store(hn::Add(origin, hn::Add(along, along)), d, enter_from[axis] + i);
-            hn::Store(hn::Sub(origin, hn::Add(along, along)), d, leave_from[axis] + i);
-        }
-        const auto z = hn::Load(d, p.direction[p.kz] + i);
-        hn::Store(hn::Div(hn::Load(d, p.direction[p.kx] + i), z), d, p.shear[0] + i);
-        hn::Store(hn::Div(hn::Load(d, p.direction[p.ky] + i), z), d, p.shear[1] + i);
-        hn::Store(hn::Div(hn::Set(d, 1.0f), z), d, p.shear[2] + i);
-    });
-    const PacketBounds::Tag dn;
-    PacketBounds b;
-    b.rows = rows_by_octant[p.octant];
-    b.t_min = hn::Set(dn, least_of(p.t_min));
-    for (int axis = 0; axis < 3; ++axis) {
-        const bool negative = (p.octant >> axis & 1u) != 0;
-        b.enter_from[axis] = hn::Set(dn, negative ? least_of(enter_from[axis]) : most_of(enter_from[axis]));
-        b.leave_from[axis] = hn::Set(dn, negative ? most_of(leave_from[axis]) : least_of(leave_from[axis]));
-        b.least[axis] = hn::Set(dn, least_of(p.inverse[axis]));
-        b.most[axis] = hn::Set(dn, most_of(p.inverse[axis]));
-    }
-    return b;
-}
+        const auto rx = hn::Load(d, p.direction[0] + i), ry = hn::Load(d, p.direction[1] + i);
+        const auto rz = hn::Load(d, p.direction[2] + i);
+        const auto longest = hn::Max(hn::Abs(rx), hn::Max(hn::Abs(ry), hn::Abs(rz)));
+        const auto scale = hn::Div(hn::Set(d, 1.0f), longest);
+        const auto dx = hn::Mul(rx, scale), dy = hn::Mul(ry, scale), dz = hn::Mul(rz, scale);
+        const auto fx = hn::Sub(hn::Load(d, p.origin[0] + i), hn::Set(d, ball.center.x));
+        const auto fy = hn::Sub(hn::Load(d, p.origin[1] + i), hn::Set(d, ball.center.y));
+        const auto fz = hn::Sub(hn::Load(d, p.origin[2] + i), hn::Set(d, ball.center.z));
+        const auto a = dot(dx, dy, dz, dx, dy, dz);
+        const auto b = hn::Neg(dot(fx, fy, fz, dx, dy, dz));
+        const auto along = hn::Div(b, a);
+        const auto nx = hn::Add(fx, hn::Mul(along, dx)), ny = hn::Add(fy, hn::Mul(along, dy));
+        const auto nz = hn::Add(fz, hn::Mul(along, dz));
+        const auto r2 = hn::Mul(hn::Set(d, ball.radius), hn::Set(d, ball.radius));
+        const auto discriminant = hn::Sub(r2, dot(nx, ny, nz, nx, ny, nz));
+        const auto best = hn::Load(d, p.best + i), t_min = hn::Load(d, p.t_min + i);
+        const auto met = hn::And(hn::Gt(discriminant, zero), hn::Ne(best, hn::Set(d, -INFINITY)));
+        if (hn::AllFalse(d, met)) return;
 
-// Children, as bits from far to near in the node's order, that some ray of the packet may meet.
-HWY_INLINE uint children_in_bounds(const WideNode& node, uint order, const PacketBounds& b, float best)
-{
-    const PacketBounds::Tag d;
-    constexpr std::size_t n = hn::MaxLanes(d);
-    uint bits = 0;
-    for (std::size_t half = 0; half < node_width; half += n) {
-        auto enter = b.t_min, leave = hn::Set(d, best);
-        for (int axis = 0; axis < 3; ++axis) {
-            const float* planes = &node.planes[0][0] + half;
-            const auto x = hn::Sub(hn::Load(d, planes + b.rows.enter[axis]), b.enter_from[axis]);
-            const auto y = hn::Sub(hn::Load(d, planes + b.rows.leave[axis]), b.leave_from[axis]);
-            enter = hn::Max(enter, hn::Min(hn::Mul(x, b.least[axis]), hn::Mul(x, b.most[axis])));
-            leave = hn::Min(leave, hn::Max(hn::Mul(y, b.least[axis]), hn::Mul(y, b.most[axis])));
-        }
-        const auto met = hn::Le(enter, leave);
-        if constexpr (n == node_width) {
-            const hn::RebindToUnsigned<PacketBounds::Tag> du;
-            const auto front_to_back = hn::Shr(hn::Set(du, order), hn::ShiftLeft<2>(hn::Iota(du, 0)));
-            const auto sorted = hn::TableLookupLanes(hn::VecFromMask(d, met), lanes_of(d, front_to_back));
-            return mask_bits(d, hn::MaskFromVec(sorted));
-        }
-        const uint part = mask_bits(d, met) << half;
-        for (uint i = 0; i < node_width; ++i) bits |= (part >> (order >> (4 * i) & 7u) & 1u) << i;
-    }
-    return bits;
+        const auto root = hn::Sqrt(hn::Mul(a, discriminant));
+        const auto q = hn::IfThenElse(hn::Ge(b, zero), hn::Add(b, root), hn::Sub(b, root));
+        const auto c = hn::Sub(dot(fx, fy, fz, fx, fy, fz), r2);
+        const auto t0 = hn::Mul(hn::Div(c, q), scale), t1 = hn::Mul(hn::Div(q, a), scale);
+        const auto in_order = hn::Lt(t0, t1);
+        const auto near = hn::IfThenElse(in_order, t0, t1), far = hn::IfThenElse(in_order, t1, t0);
+        const auto t = hn::IfThenElse(hn::Gt(near, t_min), near, far);
+        const auto ok = hn::And(met, hn::And(hn::Gt(t, t_min), hn::Le(t, best)));
+        const auto better = better_lanes(p, i, ok, t, number);
+        if (!hn::AllFalse(d, better)) accept_lanes<query>(p, i, better, t, zero, zero, number);
+    });
 }
 
 template <Query query, TriangleTest test, class Finish>
@@ -324,7 +258,6 @@ class PacketTracer
     HWY_INLINE void visit_triangle(Packet& p, const TriangleBlock& block, uint triangle)
     {
         const Packet::Tag d;
-        const hn::RebindToUnsigned<Packet::Tag> du;
         const uint number = pack_primitive(kind_triangle, block.id[triangle]);
         const auto corner = [&](int vertex, int axis) HWY_ATTR { return hn::Set(d, block.v[vertex][axis][triangle]); };
         uint unsure_bits = 0;
@@ -358,22 +291,9 @@ class PacketTracer
                                           hn::Mul(w2, hn::Mul(sz, cz)));
             const auto t = hn::Div(weighted, det);
             const auto near = hn::And(hn::Gt(t, hn::Load(d, p.t_min + i)), hn::Le(t, best));
-            const auto ok = hn::And(inside, near);
-            // is_better_hit(): the packet is in world space, where an instance never decides a tie for the newcomer.
-            const auto old_t = hn::Load(d, p.t + i);
-            const auto old_number = hn::Load(du, p.primitive + i);
-            const auto before =
-                hn::MaskFromVec(hn::BitCast(d, hn::VecFromMask(du, hn::Gt(old_number, hn::Set(du, number)))));
-            const auto better = hn::And(ok, hn::Or(hn::Lt(t, old_t), hn::And(hn::Eq(t, old_t), before)));
-            if (hn::AllFalse(d, better)) return;
-            const auto better_u = hn::MaskFromVec(hn::BitCast(du, hn::VecFromMask(d, better)));
-            hn::Store(hn::IfThenElse(better, t, old_t), d, p.t + i);
-            hn::Store(hn::IfThenElse(better, hn::Div(w1, det), hn::Load(d, p.u + i)), d, p.u + i);
-            hn::Store(hn::IfThenElse(better, hn::Div(w2, det), hn::Load(d, p.v + i)), d, p.v + i);
-            hn::Store(hn::IfThenElse(better_u, hn::Set(du, number), old_number), du, p.primitive + i);
-            hn::Store(hn::IfThenElse(better_u, hn::Set(du, none), hn::Load(du, p.instance + i)), du, p.instance + i);
-            const auto next = query == Query::any ? hn::Set(d, -INFINITY) : t;
-            hn::Store(hn::IfThenElse(better, next, best), d, p.best + i);
+            const auto better = better_lanes(p, i, hn::And(inside, near), t, number);
+            if (!hn::AllFalse(d, better))
+                accept_lanes<query>(p, i, better, t, hn::Div(w1, det), hn::Div(w2, det), number);
         });
         if (HWY_UNLIKELY(unsure_bits != 0)) visit_exactly(p, unsure_bits, block, triangle);
     }
@@ -405,6 +325,9 @@ class PacketTracer
             } else if (test == TriangleTest::watertight && RefKind(word >> 30) == RefKind::triangle) {
                 const TriangleBlock& block = bvh.triangles[word & child_index_mask];
                 for (uint i = 0; i < max_leaf_size && block.id[i] != none; ++i) visit_triangle(p, block, i);
+            } else if (RefKind(word >> 30) == RefKind::sphere) {
+                for (const uint id : bvh.spheres[word & child_index_mask].id)
+                    if (id != none) visit_sphere<query>(p, input.scene->spheres[id], pack_primitive(kind_sphere, id));
             } else {
                 visit_one_by_one(p, active, word);
             }
