@@ -143,7 +143,7 @@ TWIN(layout_camera, 0.0f, 0.0f, 0.0f)
     SampleKey k = RAW(TwinKeys).at[i];
     give(k.kind);
     give(k.pixel);
-    give(k.index);
+    give(k.reversed_index);
 }
 TWIN(layout_params, 0.0f, 0.0f, 0.0f)
 {
