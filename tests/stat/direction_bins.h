@@ -102,9 +102,10 @@ class DirectionBins
 // Draws `count` directions and compares where they fall with the density. A direction of (0, 0, 0) is "no sample": the
 // density may integrate to less than 1 by just as many.
 inline void expect_density(const DirectionBins& bins, const Density& density, const std::function<vec3()>& sample,
-                           int count, double tolerance = 1e-7, int min_cuts = 0)
+                           int count, int min_cuts = 1)
 {
-    std::vector<double> expected = bins.integrate(density, tolerance, min_cuts);
+    std::vector<double> expected =
+        bins.integrate(density, long_tests() ? 1e-8 : 1e-7, long_tests() ? min_cuts + 2 : min_cuts);
     double total = 0;
     for (double& e : expected) total += e, e *= count;
     EXPECT_LE(total, 1 + 2e-4) << "the density integrates to more than 1";

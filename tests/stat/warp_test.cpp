@@ -10,7 +10,7 @@ const vec3 up(0.0f, 0.0f, 1.0f);
 
 int draws()
 {
-    return long_tests() ? 20'000'000 : 400'000;
+    return long_tests() ? 4'000'000 : 400'000;
 }
 
 // Points in a rectangle against a density per area, on a grid of n x n cells integrated with m x m points each.
