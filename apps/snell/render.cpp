@@ -9,6 +9,7 @@
 #include "snell/core/error.h"
 #include "snell/core/parallel.h"
 #include "snell/io/load.h"
+#include "snell/render/integrator.h"
 #include "snell/render/render.h"
 
 #include <fmt/format.h>
@@ -47,6 +48,16 @@ static void report_dropped(const Film& film)
     }
     console().warning(fmt::format("{} samples were not finite and were left out{}; --strict stops at one",
                                   film.dropped_samples, where));
+}
+
+// The numbers of a view stand for themselves in a file, whatever the light in the scene asks for.
+static DisplayTransform display_of(const RenderJob& job)
+{
+    const IntegratorInfo* integrator = find_integrator(job.settings.integrator);
+    if (!integrator->is_view) return job.display;
+    if (job.display.exposure_ev != 0.0f || job.display.curve != tone_none)
+        console().info(fmt::format("--exposure and --tone leave the view '{}' as it is", integrator->name));
+    return {};
 }
 
 int run_render(const Arguments& arguments)
@@ -91,9 +102,10 @@ int run_render(const Arguments& arguments)
     }
     const Picture picture = result.film.picture();
     const Layers layers = picture_layers(report, camera);
+    const DisplayTransform display = display_of(job);
     std::string written;
     for (const auto& output : job.outputs) {
-        write_picture(output, picture, layers, job.display);
+        write_picture(output, picture, layers, display);
         written += (written.empty() ? "" : ", ") + output.string();
     }
 

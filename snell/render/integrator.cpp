@@ -39,11 +39,11 @@ static std::vector<IntegratorInfo>& registry()
          "path tracing with light of 1 from everywhere and no emitters: an albedo of 1 vanishes",
          {depth, "rr=1  0: no Russian roulette"},
          {}},
-        {"normals", "shading normals, from [-1, 1] to [0, 1]", {}, {}},
-        {"uv", "texture coordinates in red and green", {}, {}},
-        {"depth", "distance from the camera over the diameter of the scene", {}, {}},
-        {"albedo", "colour of the materials", {}, {}},
-        {"steps", "traversal steps of camera rays as a heat map", {"max_steps=100  steps at the red end"}, {}},
+        {"normals", "shading normals, from [-1, 1] to [0, 1]", {}, {}, true},
+        {"uv", "texture coordinates in red and green", {}, {}, true},
+        {"depth", "distance from the camera, 1 at the far side of the scene", {}, {}, true},
+        {"albedo", "colour of the materials", {}, {}, true},
+        {"steps", "traversal steps of camera rays as a heat map", {"max_steps=100  steps at the red end"}, {}, true},
     };
     return list;
 }
