@@ -161,8 +161,13 @@ static void settle_size(RenderJob& job, const Pending& pending)
             if (v != std::floor(v)) throw UsageError(fmt::format("{}: {} is not a whole number", option, v));
         if (!(0 <= b[0] && b[0] < b[1] && b[1] <= settings.width && 0 <= b[2] && b[2] < b[3] &&
               b[3] <= settings.height))
-            throw UsageError(fmt::format("{}: not inside the {}x{} picture; the order is x0,x1,y0,y1", option,
-                                         settings.width, settings.height));
+            throw UsageError(one ? fmt::format("--pixel: {} is not inside the {}x{} picture; X is from 0 to {}, Y from "
+                                               "0 to {}",
+                                               pending.pixel, settings.width, settings.height, settings.width - 1,
+                                               settings.height - 1)
+                                 : fmt::format("--pixelbounds: {} is not inside the {}x{} picture; the order is "
+                                               "X0,X1,Y0,Y1",
+                                               pending.pixel_bounds, settings.width, settings.height));
         settings.region =
             Region{static_cast<int>(b[0]), static_cast<int>(b[2]), static_cast<int>(b[1]), static_cast<int>(b[3])};
     }

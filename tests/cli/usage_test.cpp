@@ -100,6 +100,13 @@ TEST(Usage, BadNumbers)
     for (const auto& pair : bad) expect_error({"render", "cornell", pair[0], pair[1]}, 2, {pair[0]});
 }
 
+TEST(Usage, ErrorsOfNumbersNameTheirLimits)
+{
+    expect_error({"render", "cornell", "--size", "4x4", "--pixel", "9,9"}, 2, {"9,9", "4x4", "X is from 0 to 3, Y"});
+    expect_error({"render", "cornell", "--size", "4x2", "--pixel", "3,2"}, 2, {"X is from 0 to 3, Y from 0 to 1"});
+    expect_error({"render", "cornell", "--size", "4x4", "--pixelbounds", "0,9,0,1"}, 2, {"0,9,0,1", "X0,X1,Y0,Y1"});
+}
+
 TEST(Usage, OptionsThatExcludeEachOther)
 {
     expect_error({"render", "cornell", "--spp", "4", "--samples-range", "0:4"}, 2, {"--spp", "--samples-range"});
