@@ -68,7 +68,12 @@ std::vector<double> parse_numbers(std::string_view option, std::string_view text
 
 vec3 parse_vec3(std::string_view option, std::string_view text)
 {
+    constexpr double most = 1e18; // squares of what is beyond leave the range of a float
     const std::vector<double> v = parse_numbers(option, text, 3, "0,1.5,-4");
+    for (const double number : v)
+        if (std::abs(number) > most)
+            throw UsageError(
+                fmt::format("{}: {:g} is out of range; it must be from {:g} to {:g}", option, number, -most, most));
     return {static_cast<float>(v[0]), static_cast<float>(v[1]), static_cast<float>(v[2])};
 }
 

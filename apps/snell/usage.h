@@ -24,6 +24,7 @@ class UsageError : public std::runtime_error
 // Each throws UsageError, naming the option and giving an example, unless the whole text is such a value.
 std::int64_t parse_integer(std::string_view option, std::string_view text, std::int64_t least, std::int64_t most);
 double parse_number(std::string_view option, std::string_view text, double least, double most);
+// Coordinates from -1e18 to 1e18.
 vec3 parse_vec3(std::string_view option, std::string_view text);
 std::vector<double> parse_numbers(std::string_view option, std::string_view text, std::size_t count,
                                   std::string_view example);

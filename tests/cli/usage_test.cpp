@@ -105,6 +105,8 @@ TEST(Usage, ErrorsOfNumbersNameTheirLimits)
     expect_error({"render", "cornell", "--size", "4x4", "--pixel", "9,9"}, 2, {"9,9", "4x4", "X is from 0 to 3, Y"});
     expect_error({"render", "cornell", "--size", "4x2", "--pixel", "3,2"}, 2, {"X is from 0 to 3, Y from 0 to 1"});
     expect_error({"render", "cornell", "--size", "4x4", "--pixelbounds", "0,9,0,1"}, 2, {"0,9,0,1", "X0,X1,Y0,Y1"});
+    for (const char* option : {"--eye", "--target", "--up"})
+        expect_error({"render", "cornell", option, "0,-1e30,0"}, 2, {option, "-1e+30 is out of range", "1e+18"});
 }
 
 TEST(Usage, OptionsThatExcludeEachOther)
