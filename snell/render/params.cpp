@@ -21,6 +21,22 @@ static double parse_number(const std::string& key, const std::string& text)
     return value;
 }
 
+static double parse_whole_number(const std::string& key, const std::string& text)
+{
+    const double value = parse_number(key, text);
+    if (value != std::floor(value))
+        throw Error(fmt::format("-D {}={} is not a whole number", key, text), fmt::format("give one, such as {}=5", key));
+    return value;
+}
+
+static bool parse_switch(const std::string& key, const std::string& text)
+{
+    if (text != "0" && text != "1")
+        throw Error(fmt::format("-D {}={} is neither 0 nor 1", key, text),
+                    fmt::format("{0}=1 switches it on, {0}=0 off", key));
+    return text == "1";
+}
+
 static void check_keys(const RenderSettings& settings, const IntegratorInfo& integrator)
 {
     std::vector<std::string> known;
@@ -39,9 +55,9 @@ RenderParams make_render_params(const RenderSettings& settings, const Integrator
                                 const CameraDesc& camera, float scene_radius)
 {
     check_keys(settings, integrator);
-    const auto number = [&](const std::string& key, double otherwise) {
+    const auto value = [&](const std::string& key, auto otherwise, auto parse) {
         const auto found = settings.parameters.find(key);
-        return found == settings.parameters.end() ? otherwise : parse_number(key, found->second);
+        return found == settings.parameters.end() ? otherwise : parse(key, found->second);
     };
 
     RenderParams params{};
@@ -55,20 +71,20 @@ RenderParams make_render_params(const RenderSettings& settings, const Integrator
     else
         throw Error(fmt::format("there is no sampler '{}'", settings.sampler), "there are sobol, independent");
 
-    const double depth = number("max_depth", integrator.name == "whitted" ? 12 : 0);
+    const double depth = value("max_depth", integrator.name == "whitted" ? 12.0 : 0.0, parse_whole_number);
     params.max_depth =
         depth == 0 && integrator.name != "whitted" ? unlimited_depth : static_cast<uint>(std::min(depth, 1000.0));
-    if (number("nee", 1) != 0) params.flags |= render_nee;
-    if (number("mis", 1) != 0) params.flags |= render_mis;
-    if (number("rr", 1) != 0) params.flags |= render_roulette;
+    if (value("nee", true, parse_switch)) params.flags |= render_nee;
+    if (value("mis", true, parse_switch)) params.flags |= render_mis;
+    if (value("rr", true, parse_switch)) params.flags |= render_roulette;
     if (settings.pixel_jitter) params.flags |= render_jitter;
     if (integrator.name == "furnace") {
         // the environment is all there is; BSDF sampling finds it
         params.flags |= render_furnace;
         params.flags &= ~render_nee;
     }
-    params.distance = static_cast<float>(number("distance", 0.25 * static_cast<double>(scene_radius)));
-    params.max_steps = static_cast<float>(std::max(number("max_steps", 100), 1.0));
+    params.distance = static_cast<float>(value("distance", 0.25 * static_cast<double>(scene_radius), parse_number));
+    params.max_steps = static_cast<float>(std::max(value("max_steps", 100.0, parse_number), 1.0));
 
     const vec3 view = camera.target - camera.eye;
     if (!(length(view) > 0) || !(length(cross(view, camera.up)) > 1e-6f * length(view) * length(camera.up)))

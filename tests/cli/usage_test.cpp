@@ -96,6 +96,10 @@ TEST(Usage, BadNumbers)
         {"--samples-range", "a:b"},
         {"-D", "max_depth"},
         {"-D", "=3"},
+        {"-D", "max_depth=2.7"},
+        {"-D", "nee=2"},
+        {"-D", "mis=0.5"},
+        {"-D", "rr=yes"},
     };
     for (const auto& pair : bad) expect_error({"render", "cornell", pair[0], pair[1]}, 2, {pair[0]});
 }
@@ -107,6 +111,8 @@ TEST(Usage, ErrorsOfNumbersNameTheirLimits)
     expect_error({"render", "cornell", "--size", "4x4", "--pixelbounds", "0,9,0,1"}, 2, {"0,9,0,1", "X0,X1,Y0,Y1"});
     for (const char* option : {"--eye", "--target", "--up"})
         expect_error({"render", "cornell", option, "0,-1e30,0"}, 2, {option, "-1e+30 is out of range", "1e+18"});
+    expect_error({"render", "cornell", "-D", "max_depth=2.7"}, 2, {"max_depth=2.7", "whole number"});
+    expect_error({"render", "cornell", "-D", "nee=2"}, 2, {"nee=2", "neither 0 nor 1"});
 }
 
 TEST(Usage, OptionsThatExcludeEachOther)

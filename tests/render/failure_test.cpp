@@ -213,6 +213,12 @@ TEST(Names, ThatDoNotExist)
     expect_error(settings, {"max_depth", "many", "number"});
     settings.parameters = {{"max_depth", "-1"}};
     expect_error(settings, {"max_depth", "-1"});
+    settings.parameters = {{"max_depth", "2.7"}};
+    expect_error(settings, {"max_depth", "2.7", "whole number"});
+    for (const char* key : {"nee", "mis", "rr"}) {
+        settings.parameters = {{key, "0.5"}};
+        expect_error(settings, {key, "0.5", "neither 0 nor 1"});
+    }
     settings.parameters = {{"max_depth", "nan"}};
     expect_error(settings, {"max_depth", "nan"});
     settings = small_picture("normals");
