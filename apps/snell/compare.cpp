@@ -68,7 +68,7 @@ int run_compare(const Arguments& arguments)
         "B", "The reference", [&](const std::string& text) { request.reference = text; }, false);
     options.value("--reference", "FILE", "The reference, instead of B",
                   [&](const std::string& text) { request.reference_option = text; });
-    options.values("--metric,--metrics", "LIST", "mse, relmse, psnr; all of them if not given",
+    options.values("--metric,--metrics", "LIST", "Of mse, relmse, psnr, with commas between them [all]",
                    [&](const std::string& text) { add_metrics(request, text); });
     options.value("--threshold", "X", "Fail if the (first) metric, relmse by default, is beyond X",
                   [&](const std::string& text) {
@@ -86,6 +86,9 @@ int run_compare(const Arguments& arguments)
     if (request.reference.empty()) request.reference = request.reference_option;
     const std::string judged = request.metrics.empty() ? "relmse" : request.metrics[0];
     if (request.metrics.empty()) request.metrics = known_metrics;
+    if (request.threshold && *request.threshold < 0 && judged != "psnr")
+        throw UsageError(
+            fmt::format("--threshold: {:g} is out of range; {} is never below 0", *request.threshold, judged));
     if (!request.difference.empty()) check_writable(request.difference);
 
     const Picture picture = read_picture(request.picture), reference = read_picture(request.reference);

@@ -95,7 +95,9 @@ void Options::values(const std::string& names, const std::string& placeholder, s
     remember(parser_->valued, names);
     parser_->app.add_option_function<std::vector<std::string>>(names, for_each(std::move(set)), std::move(help))
         ->type_name(placeholder)
+        ->expected(1)             // or the help would promise several after one name
         ->allow_extra_args(false) // or it would swallow the positional arguments after its value
+        ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll)
         ->group(parser_->group);
 }
 

@@ -113,6 +113,10 @@ TEST(Usage, ErrorsOfNumbersNameTheirLimits)
         expect_error({"render", "cornell", option, "0,-1e30,0"}, 2, {option, "-1e+30 is out of range", "1e+18"});
     expect_error({"render", "cornell", "-D", "max_depth=2.7"}, 2, {"max_depth=2.7", "whole number"});
     expect_error({"render", "cornell", "-D", "nee=2"}, 2, {"nee=2", "neither 0 nor 1"});
+    expect_error({"compare", "a.exr", "b.exr", "--threshold", "-1"}, 2, {"--threshold", "-1", "relmse"});
+    expect_error({"compare", "a.exr", "b.exr", "--metric", "mse", "--threshold", "-1"}, 2, {"--threshold", "mse"});
+    // Decibels may be negative.
+    expect_error({"compare", "a.exr", "b.exr", "--metric", "psnr", "--threshold", "-1"}, 1, {"a.exr"});
 }
 
 TEST(Usage, OptionsThatExcludeEachOther)
@@ -180,6 +184,9 @@ TEST(Usage, Help)
         EXPECT_NE(outcome.out.find("snell"), std::string::npos);
         EXPECT_NE(outcome.out.find("Examples"), std::string::npos);
     }
+    const std::string compare = program.run({"compare", "--help"}).out;
+    EXPECT_NE(compare.find("LIST"), std::string::npos);
+    EXPECT_EQ(compare.find("LIST ..."), std::string::npos) << "one list, not several";
     const Outcome version = program.run({"--version"});
     EXPECT_EQ(version.code, 0);
     for (const char* word : {"commit", "built with", "instruction sets"})
