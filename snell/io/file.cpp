@@ -64,6 +64,12 @@ class Temporary
                 path_ = path;
                 return;
             }
+            std::error_code ignored;
+            if (errno == ENOENT && fs::is_directory(folder, ignored)) // what /proc answers
+                throw Error(
+                    {target.string()},
+                    fmt::format("the file cannot be created: the folder '{}' takes no new files", folder.string()),
+                    "choose another folder");
             if (errno == ENOENT || errno == ENOTDIR)
                 throw Error({target.string()}, fmt::format("the folder '{}' does not exist", folder.string()),
                             "create it, or choose another");

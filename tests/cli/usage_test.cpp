@@ -165,6 +165,7 @@ TEST(Usage, OutputsAreCheckedBeforeRendering)
     }
     expect_error({"render", "cornell", "--spp", "100000000", "-o", "good.png", "-o", "nofolder/bad.png"}, 1,
                  {"nofolder"});
+    expect_error({"render", "cornell", "-o", "/proc/out.png"}, 1, {"/proc/out.png", "cannot be created"});
     expect_error({"render", "cornell", "--log-file", "nofolder/log"}, 1, {"nofolder/log"});
 }
 
