@@ -45,8 +45,13 @@ static std::vector<Section> sections()
     add_named("tone_curves", "Tone curves (--tone)", tone_curves());
 
     Section& scene = all.emplace_back(Section{"scenes", "Built-in scenes", {}});
-    for (const BuiltinScene& builtin : builtin_scenes())
-        scene.entries.push_back({std::string(builtin.name), std::string(builtin.summary), {}});
+    for (const BuiltinScene& builtin : builtin_scenes()) {
+        std::string summary(builtin.summary);
+        if (builtin.make_with != nullptr)
+            summary += fmt::format("; {}:{} for another, {} to {}", builtin.name, builtin.parameter, builtin.least,
+                                   builtin.most);
+        scene.entries.push_back({std::string(builtin.name), std::move(summary), {}});
+    }
 
     add_named("scene_formats", "Scene files",
               {{".obj", "Wavefront OBJ with MTL materials"},

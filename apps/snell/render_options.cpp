@@ -33,6 +33,7 @@ static constexpr double any = std::numeric_limits<double>::max();
 static constexpr const char* examples =
     "Examples:\n"
     "  snell render cornell                                       built-in scene, to cornell.png\n"
+    "  snell render sphereflake:7 --spp 16                        one of five million spheres, to sphereflake-7.png\n"
     "  snell render dragon.ply -o dragon.png --spp 64             a file; framed and lit if it has no camera or light\n"
     "  snell render box.obj -o box.exr -o box.png --size 800x600  two files from one render\n"
     "  snell render cornell --integrator path -D max_depth=3 -D mis=0\n"
@@ -218,7 +219,11 @@ std::optional<int> parse_render(const Arguments& arguments, RenderJob& job)
         throw UsageError(error.what());
     }
 
-    if (job.outputs.empty()) job.outputs.emplace_back(std::filesystem::path(job.scene).stem().string() + ".png");
+    if (job.outputs.empty()) {
+        std::string name = std::filesystem::path(job.scene).stem().string();
+        std::replace(name.begin(), name.end(), ':', '-'); // sphereflake:4; not every file system takes a colon
+        job.outputs.emplace_back(name + ".png");
+    }
     bool with_exr = false;
     for (const auto& output : job.outputs) {
         check_writable(output);

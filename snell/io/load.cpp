@@ -37,10 +37,9 @@ Scene load_scene(const std::filesystem::path& file)
 
 Scene open_scene(const std::string& name_or_file)
 {
-    if (const BuiltinScene* builtin = find_builtin_scene(name_or_file)) {
-        Scene scene = builtin->make();
-        validate(scene);
-        return scene;
+    if (std::optional<Scene> scene = make_builtin_scene(name_or_file)) {
+        validate(*scene);
+        return std::move(*scene);
     }
     std::error_code error;
     const std::filesystem::path file = name_or_file;
@@ -51,8 +50,9 @@ Scene open_scene(const std::string& name_or_file)
     for (const BuiltinScene& builtin : builtin_scenes()) {
         names.emplace_back(builtin.name);
         list += (list.empty() ? "" : ", ") + names.back();
+        if (builtin.make_with != nullptr) list += fmt::format(" (or {}:{})", builtin.name, builtin.parameter);
     }
-    const std::string guess = nearest(name_or_file, names);
+    const std::string guess = nearest(name_or_file.substr(0, name_or_file.find(':')), names);
     throw Error(fmt::format("'{}' is neither a built-in scene nor a file", name_or_file),
                 guess.empty() ? fmt::format("the built-in scenes are: {}", list)
                               : fmt::format("did you mean '{}'? The built-in scenes are: {}", guess, list));

@@ -12,7 +12,8 @@ namespace snell {
 // passed validate(), but is not yet complete().
 Scene load_scene(const std::filesystem::path& file);
 
-// A built-in scene's name, or else a file. An unknown name that is no file: an Error naming the nearest built-in.
+// A built-in scene's name, or name:number for a parametric one, or else a file. An unknown name that is no file: an
+// Error naming the nearest built-in.
 Scene open_scene(const std::string& name_or_file);
 
 } // namespace snell

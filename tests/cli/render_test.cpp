@@ -244,6 +244,28 @@ TEST(List, NamesEverythingThatRenderTakes)
         EXPECT_NE(text.out.find(word), std::string::npos) << word;
 }
 
+TEST(BuiltIn, ScenesOfAnySize)
+{
+    Program program;
+    const auto info = [&](const char* scene) {
+        const Outcome outcome = program.run({"info", scene, "--json"});
+        EXPECT_EQ(outcome.code, 0) << outcome.err;
+        return json::parse(outcome.out);
+    };
+    EXPECT_EQ(info("sphereflake:2").at("placed_spheres"), 91);
+    EXPECT_EQ(info("sphereflake:7").at("placed_spheres"), 5380840);
+    EXPECT_EQ(info("menger:0").at("placed_triangles"), 12);
+    EXPECT_EQ(info("many-lights:50").at("lights"), 50);
+    EXPECT_EQ(info("many-lights").at("lights"), 400);
+
+    const Outcome outcome = program.run({"render", "sphereflake:1", "--size", "8x8", "--spp", "1"});
+    EXPECT_EQ(outcome.code, 0) << outcome.err;
+    EXPECT_EQ(program.files(), std::vector<std::string>{"sphereflake-1.png"});
+    const std::string list = program.run({"list"}).out;
+    for (const char* words : {"sphereflake:DEPTH", "menger:DEPTH", "many-lights:COUNT"})
+        EXPECT_NE(list.find(words), std::string::npos) << words;
+}
+
 TEST(Compare, ExitCodeByThreshold)
 {
     Program program;

@@ -169,6 +169,16 @@ TEST(Usage, OutputsAreCheckedBeforeRendering)
     expect_error({"render", "cornell", "--log-file", "nofolder/log"}, 1, {"nofolder/log"});
 }
 
+TEST(Usage, NumbersOfBuiltInScenes)
+{
+    for (const char* number : {"10", "-1", "2.5", "", "x", "99999999999999999999", "4:4"})
+        expect_error({"render", std::string("sphereflake:") + number}, 1, {"sphereflake:DEPTH", "from 0 to 9"});
+    expect_error({"render", "menger:7"}, 1, {"'menger:7'", "menger:DEPTH", "from 0 to 6"});
+    expect_error({"info", "many-lights:0"}, 1, {"many-lights:COUNT", "from 1 to 1000000"});
+    expect_error({"render", "cornell:3"}, 1, {"'cornell' takes no number"});
+    expect_error({"render", "sphereflak:3"}, 1, {"did you mean 'sphereflake'?", "sphereflake:DEPTH"});
+}
+
 TEST(Usage, Help)
 {
     Program program;

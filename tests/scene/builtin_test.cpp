@@ -33,6 +33,30 @@ TEST(Builtin, AllAreValidAndComplete)
     EXPECT_EQ(find_builtin_scene("no such scene"), nullptr);
 }
 
+TEST(Builtin, ByNameAndNumber)
+{
+    for (const BuiltinScene& builtin : builtin_scenes()) {
+        SCOPED_TRACE(builtin.name);
+        const std::string prefix = std::string(builtin.name) + ":";
+        EXPECT_EQ(make_builtin_scene(builtin.name)->name, builtin.name);
+        EXPECT_EQ(builtin.make_with != nullptr, !builtin.parameter.empty());
+        if (builtin.make_with == nullptr) {
+            EXPECT_THROW(make_builtin_scene(prefix + "1"), Error);
+            continue;
+        }
+        Scene least = make_builtin_scene(prefix + std::to_string(builtin.least)).value();
+        validate(least);
+        EXPECT_THROW(make_builtin_scene(prefix + std::to_string(builtin.least - 1)), Error);
+        EXPECT_THROW(make_builtin_scene(prefix + std::to_string(builtin.most + 1)), Error);
+        EXPECT_THROW(make_builtin_scene(prefix), Error);
+        EXPECT_THROW(make_builtin_scene(prefix + "1x"), Error);
+        EXPECT_THROW(make_builtin_scene(prefix + " 1"), Error);
+    }
+    EXPECT_EQ(make_builtin_scene("many-lights:3")->lights.size(), 1u); // and two balls
+    EXPECT_FALSE(make_builtin_scene("no such scene").has_value());
+    EXPECT_FALSE(make_builtin_scene("no such scene:3").has_value());
+}
+
 TEST(Builtin, SphereflakeCounts)
 {
     std::size_t wanted = 0, generation = 1;

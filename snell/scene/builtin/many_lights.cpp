@@ -27,9 +27,9 @@ static vec3 lamp_color(float hue)
 
 Scene make_many_lights(int count)
 {
-    constexpr int most = 1'000'000;
-    if (count < 1 || count > most)
-        throw Error(fmt::format("a scene of {} lights", count), fmt::format("give a number from 1 to {}", most));
+    if (count < 1 || count > many_lights_most)
+        throw Error(fmt::format("a scene of {} lights", count),
+                    fmt::format("give a number from 1 to {}", many_lights_most));
     Scene scene;
     scene.name = "many-lights";
     scene.environment = vec3(0.012f, 0.016f, 0.030f);

@@ -78,10 +78,9 @@ static Mesh make_sponge(int levels, Index<MaterialDesc> material)
 
 Scene make_menger(int depth)
 {
-    constexpr int deepest = 6; // 6.4 * 10^7 cubes in 160,000 instances
-    if (depth < 0 || depth > deepest)
+    if (depth < 0 || depth > menger_deepest)
         throw Error(fmt::format("a Menger sponge of depth {}", depth),
-                    fmt::format("give a depth from 0 to {}", deepest));
+                    fmt::format("give a depth from 0 to {}", menger_deepest));
     Scene scene;
     scene.name = "menger";
     scene.environment = vec3(0.16f, 0.22f, 0.34f);

@@ -52,9 +52,9 @@ struct Grower
 
 Scene make_sphereflake(int depth)
 {
-    constexpr int deepest = 9; // 4 * 10^8 spheres in half a million instances
-    if (depth < 0 || depth > deepest)
-        throw Error(fmt::format("a sphereflake of depth {}", depth), fmt::format("give a depth from 0 to {}", deepest));
+    if (depth < 0 || depth > sphereflake_deepest)
+        throw Error(fmt::format("a sphereflake of depth {}", depth),
+                    fmt::format("give a depth from 0 to {}", sphereflake_deepest));
     Scene scene;
     scene.name = "sphereflake";
     scene.environment = vec3(0.36f, 0.48f, 0.72f);
