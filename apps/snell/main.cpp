@@ -1,6 +1,7 @@
 // The program: finds the subcommand and turns exceptions into one line and an exit code.
 #include "commands.h"
 #include "console.h"
+#include "devices.h"
 #include "usage.h"
 
 #include "snell/core/error.h"
@@ -37,8 +38,9 @@ static void print_help()
                version());
     for (const Command& command : commands) fmt::print("  {:10}{}\n", command.name, command.summary);
     fmt::print("\nOptions:\n"
-               "  -h, --help  Show this help; `snell COMMAND --help` shows a command's options\n"
-               "  --version   Show version, commit, compiler and instruction sets\n\n"
+               "  -h, --help      Show this help; `snell COMMAND --help` shows a command's options\n"
+               "  --version       Show version, commit, compiler and instruction sets\n"
+               "  --list-devices  Show what can render\n\n"
                "Examples:\n"
                "  snell render cornell                          the default scene, to cornell.png\n"
                "  snell render dragon.ply -o dragon.exr --spp 256\n"
@@ -61,13 +63,17 @@ static int run(const Arguments& arguments)
         print_version();
         return 0;
     }
+    if (arguments[0] == "--list-devices") {
+        print_devices();
+        return 0;
+    }
     Arguments names;
     for (const Command& command : commands) {
         if (arguments[0] == command.name) return command.run({arguments.begin() + 1, arguments.end()});
         names.emplace_back(command.name);
     }
     if (arguments[0].starts_with('-')) {
-        const Arguments options = {"--help", "--version"};
+        const Arguments options = {"--help", "--version", "--list-devices"};
         throw UsageError(fmt::format("unknown option '{}'{}; a command comes first: snell {}", arguments[0],
                                      did_you_mean(arguments[0], options), fmt::join(names, "|")));
     }

@@ -79,6 +79,14 @@ void Options::flag(const std::string& names, std::string help, Flag set)
         ->disable_flag_override();
 }
 
+void Options::action(const std::string& names, std::string help, Flag act)
+{
+    flag(names, std::move(help), [act = std::move(act)] {
+        act();
+        throw CLI::Success(); // before CLI11 looks for missing arguments
+    });
+}
+
 void Options::value(const std::string& names, const std::string& placeholder, std::string help, Value set)
 {
     remember(parser_->known, names);
@@ -147,6 +155,8 @@ std::optional<int> Options::parse(Arguments arguments)
         std::string help = parser_->app.help();
         for (std::size_t at; (at = help.find("\n\n\n")) != std::string::npos;) help.erase(at, 1);
         std::fputs(help.c_str(), stdout);
+        return 0;
+    } catch (const CLI::Success&) {
         return 0;
     } catch (const CLI::ParseError& error) {
         std::string message = error.what();

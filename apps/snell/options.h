@@ -32,6 +32,8 @@ class Options
     // Any number of them, none included: one call for each.
     void positionals(const std::string& name, std::string help, Value set);
     void flag(const std::string& names, std::string help, Flag set);
+    // A flag that, as --help does, ends the program instead of starting its work: parse() returns 0 after `act`.
+    void action(const std::string& names, std::string help, Flag act);
     void value(const std::string& names, const std::string& placeholder, std::string help, Value set);
     // As value, but every occurrence counts: one call for each.
     void values(const std::string& names, const std::string& placeholder, std::string help, Value set);

@@ -1,4 +1,5 @@
 #include "console.h"
+#include "devices.h"
 #include "names.h"
 #include "options.h"
 #include "render_job.h"
@@ -104,6 +105,8 @@ static void add_running_options(Options& options, RenderJob& job)
 {
     RenderSettings& settings = job.settings;
     options.group("Running");
+    options.value("--device", "NAME", "What renders: cpu, so far the only one [cpu]", check_device);
+    options.action("--list-devices", "Print what there is, and render nothing", print_devices);
     options.value("-t,--threads,--nthreads", "N", "Threads; the picture does not depend on it [all]",
                   [&](const std::string& text) {
                       settings.threads = static_cast<int>(parse_integer("--threads", text, 0, 4096));
