@@ -49,7 +49,9 @@ void choose_camera(Scene& scene, const CameraChoice& choice, float aspect)
     } else if (scene.cameras.empty() && choice.eye && choice.target) {
         add(scene, CameraDesc{"command line"}); // nothing to be framed, and nothing to be said about it
     }
-    complete(scene, aspect);
+    const std::size_t notes = scene.notes.size();
+    complete_camera(scene, aspect, choice.up && length(*choice.up) > 0.0f ? *choice.up : vec3(0.0f, 1.0f, 0.0f));
+    if (choice.eye || choice.target || choice.fov_degrees) scene.notes.resize(notes); // it names another camera
 
     CameraDesc camera = scene.cameras.at(chosen);
     if (choice.eye) camera.eye = *choice.eye;
@@ -64,6 +66,7 @@ void choose_camera(Scene& scene, const CameraChoice& choice, float aspect)
         camera.up = std::abs(view.y) > std::abs(view.x) ? vec3(0.0f, 0.0f, -1.0f) : vec3(0.0f, 1.0f, 0.0f);
     }
     scene.cameras.assign(1, camera);
+    complete_light(scene); // which stands behind the camera's shoulder
 }
 
 } // namespace snell::app

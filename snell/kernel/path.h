@@ -83,8 +83,7 @@ SNELL_FN PathStep shade_path(SNELL_IN(SceneView) scene, SNELL_IN(RenderParams) p
         step.emitted = state.throughput * environment_radiance(scene, params) * weight;
         return step;
     }
-    if (state.medium != none)
-        state.throughput = state.throughput * medium_transmittance(scene, state.medium, hit.t);
+    if (state.medium != none) state.throughput = state.throughput * medium_transmittance(scene, state.medium, hit.t);
 
     Vertex v = make_vertex(scene, ray, hit);
     if (!is_black(v.emission) && (params.flags & render_furnace) == 0u) {
@@ -109,7 +108,8 @@ SNELL_FN PathStep shade_path(SNELL_IN(SceneView) scene, SNELL_IN(RenderParams) p
                 if (light.is_delta == 0u && (params.flags & render_mis) != 0u)
                     weight = power_heuristic(light.pdf, pdf_bsdf(v.material, v.wo, to_local(v.frame, light.direction)));
                 step.connection.ray = shadow_ray(v.surface, light);
-                step.connection.value = state.throughput * f * light.radiance * (weight / light.pdf);
+                step.connection.value = state.throughput * f * light.radiance * (weight / light.pdf) *
+                                        light_transmittance(scene, state.medium, v, light);
                 step.connection.slot = state.slot;
                 step.connection.layer = scatter_layer(state.depth + 1u);
                 step.has_connection = 1u;

@@ -150,6 +150,17 @@ SNELL_FN uint medium_behind(SNELL_IN(SceneView) scene, uint material, bool from_
     return from_outside && !is_black(scene.materials.at[material].absorption) ? material : none;
 }
 
+// What absorption leaves of a light sample on its way to the surface; the ray that arrives there is in `medium`. Light
+// from infinitely far away has no way inside, as a ray that misses everything has none.
+SNELL_FN vec3 light_transmittance(SNELL_IN(SceneView) scene, uint medium, SNELL_IN(Vertex) v, LightSample s)
+{
+    if (s.is_infinite != 0u) return vec3(1.0f);
+    vec3 local = to_local(v.frame, s.direction);
+    uint inside = local.z * v.wo.z > 0.0f ? medium : medium_behind(scene, v.surface.material, v.wo.z > 0.0f);
+    if (inside == none) return vec3(1.0f);
+    return medium_transmittance(scene, inside, length(s.target - v.surface.position));
+}
+
 // The state after a BSDF sample; its ray starts off the surface on the side that it goes to.
 SNELL_FN CameraPath scatter(SNELL_IN(SceneView) scene, SNELL_IN(PathState) state, SNELL_IN(Vertex) v, BsdfSample s)
 {

@@ -11,7 +11,9 @@ SNELL_CONST uint material_mix = 2u;     // diffuse base_color plus specular refl
 SNELL_CONST uint material_dielectric = 3u; // Fresnel reflection and refraction; smooth, or GGX if alpha > 0
 SNELL_CONST uint material_conductor = 4u;  // Fresnel reflection of a metal; smooth, or GGX if alpha > 0
 
-SNELL_CONST uint material_two_sided_emission = 1u; // flag: emits from the back as well
+// Flags of a material.
+SNELL_CONST uint material_two_sided_emission = 1u;     // emits from the back as well
+SNELL_CONST uint material_texture_tints_specular = 2u; // base_texture multiplies specular too, as a metal's does
 
 struct Material
 {

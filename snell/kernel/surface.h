@@ -15,7 +15,7 @@ struct SurfacePoint
     vec2 uv;
     vec3 color;    // interpolated vertex colour; 1 where there is none
     uint material; // index
-    uint object;   // number in the Scene: meshes, spheres and planes count apart
+    uint object;   // number in the Scene: meshes, then spheres, then planes
     uint light;    // index of the light that this point belongs to, or none
 };
 
@@ -156,11 +156,13 @@ SNELL_FN MaterialPoint material_point(SNELL_IN(SceneView) scene, Material materi
     MaterialPoint m;
     m.kind = material.kind;
     m.base_color = material.base_color * surface.color;
+    m.specular = material.specular;
     if (material.base_texture != none) {
         vec4 texel = sample_texture(scene, material.base_texture, surface.uv);
-        m.base_color = m.base_color * vec3(texel.x, texel.y, texel.z);
+        vec3 color = vec3(texel.x, texel.y, texel.z);
+        m.base_color = m.base_color * color;
+        if ((material.flags & material_texture_tints_specular) != 0u) m.specular = m.specular * color;
     }
-    m.specular = material.specular;
     m.alpha = material.alpha;
     // between equal media there is nothing to scatter at, however rough it is
     if (m.kind == material_dielectric && abs(material.ior - 1.0f) < 1e-3f) m.alpha = 0.0f;

@@ -6,7 +6,7 @@ SNELL_BEGIN
 
 SNELL_CONST uint view_normals = 0u; // shading normal, from [-1, 1] to [0, 1]
 SNELL_CONST uint view_uv = 1u;      // fraction of the texture coordinates in red and green
-SNELL_CONST uint view_depth = 2u;   // distance over the diameter of the scene
+SNELL_CONST uint view_depth = 2u;   // distance from the camera; 1 at the far side of the scene
 SNELL_CONST uint view_albedo = 3u;  // colour of the material
 SNELL_CONST uint view_steps = 4u;   // traversal steps as a heat map
 
@@ -35,7 +35,8 @@ SNELL_FN vec3 view_value(SNELL_IN(SceneView) scene, SNELL_IN(RenderParams) param
     Vertex v = make_vertex(scene, ray, hit);
     if (view == view_normals) return 0.5f * v.surface.shading_normal + 0.5f;
     if (view == view_uv) return vec3(fract(v.surface.uv.x), fract(v.surface.uv.y), 0.0f);
-    if (view == view_depth) return vec3(hit.t / (2.0f * scene.scene_radius));
+    if (view == view_depth)
+        return vec3(hit.t / (length(scene.scene_center - params.camera.origin) + scene.scene_radius));
     return material_albedo(v.material);
 }
 

@@ -46,8 +46,7 @@ SNELL_FN WhittedStep shade_whitted(SNELL_IN(SceneView) scene, SNELL_IN(RenderPar
         return step;
     }
     if (arriving.medium != none)
-        step.state.throughput =
-            arriving.throughput * medium_transmittance(scene, arriving.medium, hit.t);
+        step.state.throughput = arriving.throughput * medium_transmittance(scene, arriving.medium, hit.t);
     Vertex v = make_vertex(scene, ray, hit);
     step.vertex = v;
     if (counts_emission) step.emitted = step.state.throughput * v.emission;
@@ -116,7 +115,9 @@ SNELL_FN Connection whitted_connection(SNELL_IN(SceneView) scene, SNELL_IN(Rende
     c.slot = step.state.slot;
     c.layer = scatter_layer(step.state.depth + 1u);
     c.value = vec3(0.0f);
-    if (s.pdf > 0.0f) c.value = step.state.throughput * vertex_eval(step.vertex, s.direction) * s.radiance / s.pdf;
+    if (s.pdf > 0.0f)
+        c.value = step.state.throughput * vertex_eval(step.vertex, s.direction) * s.radiance / s.pdf *
+                  light_transmittance(scene, step.state.medium, step.vertex, s);
     c.ray = shadow_ray(step.vertex.surface, s);
     return c;
 }

@@ -16,14 +16,13 @@ struct View
     vec3 forward, right, up; // orthonormal
 };
 
-// Looking along -Z, or along -X, and that many degrees downwards.
-static View look_down(float degrees, bool along_x)
+// Looking that many degrees down from the level direction `level`.
+static View look_down(float degrees, vec3 level, vec3 up)
 {
     const float angle = degrees * pi / 180.0f;
-    const vec3 level = along_x ? vec3(-1, 0, 0) : vec3(0, 0, -1);
     View view;
-    view.forward = std::cos(angle) * level - std::sin(angle) * vec3(0, 1, 0);
-    view.right = normalize(cross(level, vec3(0, 1, 0)));
+    view.forward = std::cos(angle) * level - std::sin(angle) * up;
+    view.right = normalize(cross(level, up));
     view.up = cross(view.right, view.forward);
     return view;
 }
@@ -39,7 +38,7 @@ static std::array<vec3, 8> corners(const Bounds& bounds)
 
 // The nearest eye from which all corners lie inside the picture. In camera coordinates (x, y, depth) a corner is
 // inside when |x - eye.x| <= tan_x (depth - eye.depth), and so for y: linear, hence solved by the extreme corners.
-static CameraDesc frame(const Bounds& bounds, const View& view, float aspect)
+static CameraDesc frame(const Bounds& bounds, const View& view, vec3 up, float aspect)
 {
     const float tan_short = std::tan(0.5f * fov_degrees * pi / 180.0f) / margin;
     const vec2 tangent(tan_short * std::max(aspect, 1.0f), tan_short / std::min(aspect, 1.0f));
@@ -64,18 +63,19 @@ static CameraDesc frame(const Bounds& bounds, const View& view, float aspect)
     CameraDesc camera;
     camera.name = "framing";
     camera.fov_degrees = fov_degrees;
-    camera.up = vec3(0, 1, 0);
+    camera.up = up;
     camera.eye = center + eye.x * view.right + eye.y * view.up + depth * view.forward;
     camera.target = camera.eye - depth * view.forward;
     return camera;
 }
 
-// Whether the triangles form a room whose front (+Z) is open: a ceiling, a floor and a back wall that fill most of
-// the sides of the bounds, and hardly anything in front. Such a room is looked into at level, as a stage is.
-static bool is_open_room(const Scene& scene, const Bounds& bounds)
+// Whether the triangles form a room that is open to one side along Z: a ceiling, a floor and a back wall that fill most
+// of the sides of the bounds, and little in front (the water of an aquarium, say). Such a room is looked into at level,
+// as a stage is. The result is the way to look: -1 or 1 along Z; 0 if it is no such room.
+static int look_into_room(const Scene& scene, const Bounds& bounds)
 {
     const vec3 extent = bounds.extent();
-    if (!(std::min({extent.x, extent.y, extent.z}) > 0.0f)) return false;
+    if (!(std::min({extent.x, extent.y, extent.z}) > 0.0f)) return 0;
     const vec3 tolerance = 0.03f * extent;
     vec3 low_area(0.0f), high_area(0.0f); // covered on the sides at bounds.lower and bounds.upper, by axis
     std::vector<uint> uses(scene.groups.size(), 0);
@@ -98,10 +98,12 @@ static bool is_open_room(const Scene& scene, const Bounds& bounds)
     }
     const vec3 side(extent.y * extent.z, extent.z * extent.x, extent.x * extent.y);
     const vec3 low = low_area / side, high = high_area / side;
-    return low.y > 0.6f && high.y > 0.6f && low.z > 0.6f && high.z < 0.1f;
+    constexpr float wall = 0.6f, open = 0.5f;
+    if (low.y < wall || high.y < wall) return 0;
+    return low.z > wall && high.z < open ? -1 : high.z > wall && low.z < open ? 1 : 0;
 }
 
-static void add_camera(Scene& scene, const Bounds& bounds, float aspect)
+static void add_camera(Scene& scene, const Bounds& bounds, float aspect, vec3 up)
 {
     if (bounds.empty()) {
         CameraDesc camera;
@@ -126,16 +128,22 @@ static void add_camera(Scene& scene, const Bounds& bounds, float aspect)
 
     const vec3 extent = bounds.extent();
     const float largest = max3(extent);
-    const bool along_x = extent.x < 1e-3f * largest && extent.z > extent.x; // flat, and would be seen edge on
-    const bool flat = extent.y < 0.03f * largest;
-    const bool room = is_open_room(scene, bounds);
-    const float down = room ? 0.0f : flat ? 40.0f : 15.0f;
-    const CameraDesc camera = frame(bounds, look_down(down, along_x), aspect);
+    // Along -Z where +Y is up, along +Y where +Z is; something flat that would be seen edge on, from its side.
+    const vec3 aside = std::abs(up.x) < 0.9f * length(up) ? vec3(1, 0, 0) : vec3(0, 0, 1);
+    vec3 level = normalize(cross(up, aside));
+    const vec3 right = cross(level, normalize(up));
+    const float width = dot(abs(right), extent), depth = dot(abs(level), extent);
+    if (width < 1e-3f * largest && depth > width) level = -right;
+    const bool flat = dot(abs(normalize(up)), extent) < 0.03f * largest;
+    const int room = up == vec3(0, 1, 0) ? look_into_room(scene, bounds) : 0;
+    if (room != 0) level = vec3(0, 0, static_cast<float>(room));
+    const float down = room != 0 ? 0.0f : flat ? 40.0f : 15.0f;
+    const CameraDesc camera = frame(bounds, look_down(down, level, normalize(up)), up, aspect);
     add(scene, camera);
     note(scene, Note::Kind::info,
          fmt::format("no camera: {} with --eye {:.6g},{:.6g},{:.6g} --target {:.6g},{:.6g},{:.6g} --fov {:.6g}",
-                     room ? "looking into the room" : "framing the scene", camera.eye.x, camera.eye.y, camera.eye.z,
-                     camera.target.x, camera.target.y, camera.target.z, camera.fov_degrees));
+                     room != 0 ? "looking into the room" : "framing the scene", camera.eye.x, camera.eye.y,
+                     camera.eye.z, camera.target.x, camera.target.y, camera.target.z, camera.fov_degrees));
 }
 
 static bool is_lit(const Scene& scene)
@@ -192,12 +200,22 @@ static void add_light(Scene& scene)
          "left were added");
 }
 
-void complete(Scene& scene, float aspect)
+void complete_camera(Scene& scene, float aspect, vec3 up)
 {
     if (!(aspect > 0.0f && std::isfinite(aspect)))
         throw Error(fmt::format("a picture cannot have an aspect of {}", aspect), "give a positive width and height");
-    if (scene.cameras.empty()) add_camera(scene, scene_bounds(scene), aspect);
+    if (scene.cameras.empty()) add_camera(scene, scene_bounds(scene), aspect, up);
+}
+
+void complete_light(Scene& scene)
+{
     if (!is_lit(scene)) add_light(scene);
+}
+
+void complete(Scene& scene, float aspect)
+{
+    complete_camera(scene, aspect);
+    complete_light(scene);
 }
 
 } // namespace snell

@@ -131,7 +131,8 @@ void Packer::pack_materials()
         m.specular = desc.specular;
         m.ior = desc.ior;
         m.absorption = desc.absorption;
-        m.flags = desc.two_sided_emission ? material_two_sided_emission : 0u;
+        if (desc.two_sided_emission) m.flags |= material_two_sided_emission;
+        if (desc.texture_tints_specular) m.flags |= material_texture_tints_specular;
         m.base_texture = desc.base_texture.value;
         packed_.materials.push_back(m);
     }

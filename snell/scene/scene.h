@@ -47,7 +47,8 @@ struct MaterialDesc
     vec3 specular{0.0f};
     float ior = 1.5f;
     vec3 absorption{0.0f};
-    Index<Image> base_texture;
+    Index<Image> base_texture;           // multiplies base_color
+    bool texture_tints_specular = false; // and specular
 };
 
 // A triangle mesh. Attributes are per vertex and either empty or as long as positions.
@@ -190,8 +191,15 @@ Bounds scene_bounds(const Scene& scene);
 // Throws Error on what has no meaning: an index out of range, attributes of the wrong length, a singular transform.
 void validate(Scene& scene);
 
-// A scene without camera gets one that frames it (looking along -Z, a little from above); one without any light gets
-// white light from everywhere and a light from above the camera. Both are noted. aspect: width over height.
+// A scene without camera gets one that frames it: at level into a room that is open in front, else a little from above,
+// looking along -Z (with another `up`: as one would after turning the scene that way). aspect: width over height.
+void complete_camera(Scene& scene, float aspect, vec3 up = vec3(0.0f, 1.0f, 0.0f));
+
+// A scene without any light gets white light from everywhere and a directional one from above the left of its first
+// camera; it must have one.
+void complete_light(Scene& scene);
+
+// Both of them. What was added is noted.
 void complete(Scene& scene, float aspect);
 
 } // namespace snell

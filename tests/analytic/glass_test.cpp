@@ -109,6 +109,38 @@ TEST(Glass, AbsorptionCountsWorldDistances)
     expect_value(measure(scene, probe_settings("path", {{"rr", "0"}}, 4)), std::exp(-0.9 * 0.5), 1e-4);
 }
 
+// A lamp and what it lights, both in coloured glass: light is absorbed on its way from the lamp as well.
+TEST(Glass, LightInsideIsAbsorbedToo)
+{
+    constexpr double sigma = 0.7;
+    for (const bool point_light : {true, false}) {
+        Scene scene;
+        add_sphere(scene, vec3(0.0f), 4.0f, glass(scene, 1.0f, static_cast<float>(sigma)));
+        const Index<MaterialDesc> paper = diffuse(scene, 0.5f);
+        place(scene, polygon({{-1, 0, 1}, {1, 0, 1}, {1, 0, -1}, {-1, 0, -1}}, paper));
+        look(scene, vec3(3.0f, 6.0f, 0.0f), vec3(0.0f));
+        const double seen_through = 4.0 * sigma; // from the ball's surface to its centre
+        const std::vector<std::pair<std::string, Parameters>> ways = {
+            {"path", {}}, {"path", {{"mis", "0"}}}, {"whitted", {}}};
+        double exact = 0;
+        if (point_light) {
+            add_point_light(scene, vec3(0.0f, 2.0f, 0.0f), 8.0f);
+            exact = 0.5 / std::numbers::pi * (8.0 / 4.0) * std::exp(-2.0 * sigma - seen_through);
+        } else {
+            // A lamp so small that all of it is equally far away: pi r^2 L / d^2.
+            add_sphere(scene, vec3(0.0f, 2.0f, 0.0f), 0.002f, diffuse(scene, 0.0f, 1e6f));
+            const double d = 2.0, r = 0.002;
+            const double irradiance = 1e6 * std::numbers::pi * r * r / (d * d);
+            // the lamp's front is nearer than its centre by two thirds of its radius on average
+            exact = 0.5 / std::numbers::pi * irradiance * std::exp(-sigma * (d - 2.0 / 3.0 * r) - seen_through);
+        }
+        for (const auto& [integrator, parameters] : ways) {
+            SCOPED_TRACE(integrator + (parameters.empty() ? "" : " " + parameters.begin()->first));
+            expect_value(measure(scene, probe_settings(integrator, parameters, 64)), exact, 1e-3);
+        }
+    }
+}
+
 // Seen from inside a medium, all is brighter by the square of its index: the light of a half space is squeezed into a
 // cone. From the centre of a ball all rays leave straight, and what is reflected comes back: n^2, whatever R is.
 TEST(Glass, RadianceInsideIsScaled)

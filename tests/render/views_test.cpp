@@ -141,8 +141,9 @@ TEST(Views, Depth)
             return s;
         }(),
         settings);
-    const float diameter = 2.0f * prepared->packed.radius;
-    expect_near(view_at(scene, {0.2f, 0.2f}, "depth"), vec3(2.0f / diameter), 1e-4f);
+    const PackedScene& packed = prepared->packed;
+    const float far_side = length(packed.center - vec3(0.2f, 0.2f, 2.0f)) + packed.radius;
+    expect_near(view_at(scene, {0.2f, 0.2f}, "depth"), vec3(2.0f / far_side), 1e-4f);
 }
 
 } // namespace

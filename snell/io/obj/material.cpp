@@ -105,6 +105,7 @@ MaterialDesc to_material(const tinyobj::material_t& m, const Statements& has)
         if (is_black(specular)) specular = vec3(0.04f);
         out.kind = material_mix;
         out.base_color = (1.0f - metallic) * diffuse;
+        out.texture_tints_specular = true;
         out.specular = mix(specular, diffuse, metallic);
         out.alpha = roughness * roughness;
     } else if (is_reflecting(m.illum) && max3(specular) > 0.0f && max3(diffuse) < 0.1f * max3(specular)) {
@@ -291,6 +292,8 @@ Index<MaterialDesc> MaterialLibrary::find(const std::string& name, const std::st
     if (material.kind == material_dielectric && !is_glass(m.illum))
         warn(fmt::format("{}: {} is partly transparent (d {:.3g}); it is taken as clear, tinted", place,
                          show_word(name), m.dissolve));
+    if (!m.diffuse_texname.empty() && material.kind == material_dielectric)
+        warn(fmt::format("{}: {} is transparent; its texture is not used", place, show_word(name)));
     const bool is_textured = material.kind == material_diffuse || material.kind == material_mix;
     if (!m.diffuse_texname.empty() && is_textured) {
         const tinyobj::texture_option_t& o = m.diffuse_texopt;

@@ -55,6 +55,17 @@ TWIN_BUILTIN(medium, 1e-5f, 1e-6f, 0.0f)
     give(medium_transmittance(scene, material, way));
     give(medium_behind(scene, material, outside == 0u));
 }
+TWIN_BUILTIN(light_transmittance, 1e-3f, 1e-4f, 0.001f) // the normals switch sides
+{
+    Ray ray = draw_ray();
+    Hit hit = draw_hit();
+    uint material = index_below(scene_materials);
+    LightSample s = no_light_sample();
+    s.direction = direction();
+    s.target = box(-2.0f, 2.0f);
+    s.is_infinite = index_below(4u) == 0u ? 1u : 0u;
+    give(light_transmittance(scene, material, make_vertex(scene, ray, hit), s));
+}
 TWIN(scatter, 1e-3f, 1e-4f, 0.001f) // the same
 {
     PathState state = draw_state();
