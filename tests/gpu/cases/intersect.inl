@@ -21,6 +21,10 @@ SNELL_FN_COLD Ray draw_ray_toward(vec3 v0, vec3 v1, vec3 v2)
 SNELL_END
 #else
 
+TWIN(longest_axis, 0.0f, 0.0f, 0.0f)
+{
+    give(uint(longest_axis(direction())));
+}
 TWIN(no_intersection, 0.0f, 0.0f, 0.0f)
 {
     float t_max = magnitude(1e-3f, 1e6f);

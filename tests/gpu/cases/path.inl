@@ -62,7 +62,7 @@ TWIN_BUILTIN(light_transmittance, 1e-3f, 1e-4f, 0.001f) // the normals switch si
     uint material = index_below(scene_materials);
     LightSample s = no_light_sample();
     s.direction = direction();
-    s.target = box(-2.0f, 2.0f);
+    s.target = point(2.0f);
     s.is_infinite = index_below(4u) == 0u ? 1u : 0u;
     give(light_transmittance(scene, material, make_vertex(scene, ray, hit), s));
 }

@@ -4,6 +4,10 @@
 #include "tests/gpu/draw.h"
 #else
 
+TWIN(is_worth_following, 0.0f, 0.0f, 1e-4f) // products at the cut-off
+{
+    give(is_worth_following(draw_state()) ? 1u : 0u);
+}
 TWIN_BUILTIN(shade_whitted, 1e-3f, 1e-3f, 0.005f) // all branches of all materials
 {
     RenderParams params = draw_params();
