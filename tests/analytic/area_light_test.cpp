@@ -167,7 +167,7 @@ TEST(AreaLight, WhiteObjectsVanishInWhiteLight)
     // concave as well, for the furnace asks for no light sampling
     Scene more = scene;
     add_sphere(more, vec3(0.5f, 0.9f, 0.4f), 0.5f, diffuse(more, 1.0f));
-    add_plane(more, vec3(0.0f, -1.0f, 0.0f), vec3(0.0f, 1.0f, 0.0f), diffuse(more, 1.0f));
+    add_plane(more, vec3(0.0f, -1.2f, 0.0f), vec3(0.0f, 1.0f, 0.0f), diffuse(more, 1.0f));
     place(more, polygon(polygons()[0].corners, diffuse(more, 1.0f, 100.0f))); // the furnace has no emitters
     more.environment = vec3(0.2f);
     for (const double v : pixel_means(render_film(more, probe_settings("furnace", {}, 32)))) EXPECT_NEAR(v, 1, 1e-5);

