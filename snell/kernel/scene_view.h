@@ -10,25 +10,84 @@ SNELL_CONST uint material_mirror = 1u;  // perfect mirror of reflectance base_co
 SNELL_CONST uint material_mix = 2u;     // diffuse base_color plus specular reflection (a mirror, or GGX if alpha > 0)
 SNELL_CONST uint material_dielectric = 3u; // Fresnel reflection and refraction; smooth, or GGX if alpha > 0
 SNELL_CONST uint material_conductor = 4u;  // Fresnel reflection of a metal; smooth, or GGX if alpha > 0
+SNELL_CONST uint material_unlit = 5u;      // shines with base_color on both sides and scatters nothing
+SNELL_CONST uint material_principled = 6u; // metallic-roughness and the layers around it: see principled.h
+SNELL_CONST uint material_kinds = 7u;
 
 // Flags of a material.
 SNELL_CONST uint material_two_sided_emission = 1u;     // emits from the back as well
 SNELL_CONST uint material_texture_tints_specular = 2u; // base_texture multiplies specular too, as a metal's does
+SNELL_CONST uint material_needs_tangents = 4u;         // has a normal map or is anisotropic
 
+// How much of a surface is there.
+SNELL_CONST uint coverage_opaque = 0u;
+SNELL_CONST uint coverage_mask = 1u;  // nothing where opacity is below the cutoff
+SNELL_CONST uint coverage_blend = 2u; // opacity is the probability of a ray to find it
+
+// "slot": index of a texture slot, or none.
 struct Material
 {
-    vec3 base_color;   // diffuse albedo, mirror reflectance, or tint of a dielectric, each in [0, 1]
-    uint kind;         // material_*
-    vec3 emission;     // radiance emitted on the side of the normal, >= 0
-    float alpha;       // GGX roughness alpha; 0 is perfectly smooth
-    vec3 specular;     // mix: specular reflectance in [0, 1]; conductor: eta
-    float ior;         // dielectric: index of refraction inside over outside
-    vec3 absorption;   // dielectric: Beer-Lambert coefficient inside, per scene unit; conductor: k
-    uint flags;        // material_* flags
-    uint base_texture; // index of a colour texture that multiplies base_color, or none
-    uint pad0, pad1, pad2;
+    vec3 base_color;    // diffuse albedo, mirror reflectance, or tint of a dielectric, each in [0, 1]
+    uint kind;          // material_*
+    vec3 emission;      // radiance emitted on the side of the normal, >= 0
+    float alpha;        // GGX roughness alpha; 0 is perfectly smooth
+    vec3 specular;      // mix: specular reflectance in [0, 1]; conductor: eta
+    float ior;          // dielectric: index of refraction inside over outside
+    vec3 absorption;    // dielectric: Beer-Lambert coefficient inside, per scene unit; conductor: k
+    uint flags;         // material_* flags
+    uint base_slot;     // multiplies base_color
+    uint emission_slot; // multiplies emission
+    uint normal_slot;   // normal map
+    float normal_scale; // of its x and y
+    uint coverage;      // coverage_*
+    float opacity;      // times opacity_slot and the vertex colours' fourth number
+    float cutoff;       // of coverage_mask
+    uint opacity_slot;
+    uint principled; // index into the principled parameters, for material_principled
 };
-SNELL_LAYOUT(Material, 80)
+SNELL_LAYOUT(Material, 100)
+
+// The parameters of material_principled beyond those of Material; what they mean: PrincipledDesc in scene.h.
+struct Principled
+{
+    float metallic;
+    float roughness;
+    float specular;
+    float clearcoat;
+    float clearcoat_roughness;
+    float clearcoat_normal_scale;
+    vec3 specular_color;
+    vec3 sheen_color;
+    float sheen_roughness;
+    float transmission;
+    uint thin_walled;
+    float anisotropy;
+    float anisotropy_rotation;
+    float iridescence;
+    float iridescence_ior;
+    float iridescence_thickness_min;
+    float iridescence_thickness_max;
+    float dispersion;
+    float diffuse_transmission;
+    vec3 diffuse_transmission_color;
+    uint metallic_slot;
+    uint roughness_slot;
+    uint specular_slot;
+    uint specular_color_slot;
+    uint clearcoat_slot;
+    uint clearcoat_roughness_slot;
+    uint clearcoat_normal_slot;
+    uint sheen_color_slot;
+    uint sheen_roughness_slot;
+    uint transmission_slot;
+    uint anisotropy_slot;
+    uint iridescence_slot;
+    uint iridescence_thickness_slot;
+    uint diffuse_transmission_slot;
+    uint diffuse_transmission_color_slot;
+    uint glass_table; // where the albedos of rough glass of this ior begin in SceneView::albedo, or none
+};
+SNELL_LAYOUT(Principled, 168)
 
 // Kinds of light source.
 SNELL_CONST uint light_point = 0u;       // intensity [W/sr] at position
@@ -73,11 +132,13 @@ struct Surface
     uint first_vertex;   // of the mesh, in positions
     uint normal_base;    // shading normals
     uint uv_base;        // texture coordinates
-    uint color_base;     // vertex colours, linear Rec.709; they multiply base_color
+    uint color_base;     // vertex colours, linear Rec.709 and opacity; they multiply base_color and opacity
     uint first_triangle; // of this surface
     uint first_light;    // light of first_triangle; none: not emissive. Relative to the instance's light base
+    uint uv_1_base;      // second texture coordinates
+    uint tangent_base;   // tangents and the sign of the bitangent
 };
-SNELL_LAYOUT(Surface, 32)
+SNELL_LAYOUT(Surface, 40)
 
 struct Sphere
 {
@@ -126,18 +187,57 @@ SNELL_CONST uint texels_rgba32f = 2u;
 SNELL_CONST uint wrap_repeat = 0u;
 SNELL_CONST uint wrap_mirror = 1u;
 SNELL_CONST uint wrap_clamp = 2u;
+SNELL_CONST uint filter_bilinear = 0u;
+SNELL_CONST uint filter_nearest = 1u;
 
 struct Texture
 {
     uint offset; // of the first texel, in words of the texel array; row 0 is the top row (v = 1)
     uint width, height;
     uint format; // texels_*
-    uint wrap;   // wrap_*
-    uint pad0, pad1, pad2;
 };
-SNELL_LAYOUT(Texture, 32)
+SNELL_LAYOUT(Texture, 16)
+
+// How a material looks up a texture.
+struct TextureSlot
+{
+    uint texture;
+    uint uv_set;         // 0 or 1: which of the surface's texture coordinates
+    uint wrap_u, wrap_v; // wrap_*
+    uint filter_mode;    // filter_*
+    uint channel;        // where one number is wanted
+    vec3 row_u, row_v;   // the texture is read at (dot(row_u, (u, v, 1)), dot(row_v, (u, v, 1)))
+};
+SNELL_LAYOUT(TextureSlot, 48)
+
+// Where the texels of an environment lie.
+SNELL_CONST uint environment_equirectangular = 0u; // rows are latitudes; +Y is up, -Z in the middle, +X right of it
+SNELL_CONST uint environment_octahedral = 1u;      // equal areas (Clarberg 2008), as pbrt has them; +Z in the middle
+
+// Light from infinitely far away.
+struct Environment
+{
+    vec3 radiance;            // constant, or what the texture is multiplied with
+    uint texture;             // or none
+    vec3 row_x, row_y, row_z; // world to environment: its coordinates are the dot products with a direction
+    uint mapping;             // environment_*
+    uint is_visible;          // 0: camera rays do not see it
+    uint columns, rows;       // of the cells that it is sampled by; 0 if it is constant
+    float select_pdf;         // probability with which the light sampler chooses the environment
+};
+SNELL_LAYOUT(Environment, 72)
+
+// A cell of the environment, chosen with the alias method.
+struct EnvironmentCell
+{
+    float probability; // of being chosen
+    float threshold;
+    uint alias;
+};
+SNELL_LAYOUT(EnvironmentCell, 12)
 
 SNELL_ARRAY(Vec3Array, vec3)
+SNELL_ARRAY(Vec4Array, vec4)
 SNELL_ARRAY(Vec2Array, vec2)
 SNELL_ARRAY(FloatArray, float)
 SNELL_ARRAY(WordArray, uint)
@@ -149,6 +249,9 @@ SNELL_ARRAY(InstanceArray, Instance)
 SNELL_ARRAY(MaterialArray, Material)
 SNELL_ARRAY(LightArray, Light)
 SNELL_ARRAY(TextureArray, Texture)
+SNELL_ARRAY(TextureSlotArray, TextureSlot)
+SNELL_ARRAY(PrincipledArray, Principled)
+SNELL_ARRAY(EnvironmentCellArray, EnvironmentCell)
 
 // Everything a kernel may look up. Primitives of one group (and those in world space) are consecutive.
 struct SceneView
@@ -156,7 +259,8 @@ struct SceneView
     Vec3Array positions;
     Vec3Array normals;
     Vec2Array uvs;
-    Vec3Array colors;
+    Vec4Array tangents;
+    Vec4Array colors;
     TriangleArray triangles;
     SurfaceArray surfaces;
     SphereArray spheres;
@@ -167,14 +271,19 @@ struct SceneView
     TextureArray textures;
     WordArray texels;
     FloatArray srgb; // 256 entries: sRGB byte to linear value
+    TextureSlotArray slots;
+    PrincipledArray principled;
+    FloatArray albedo; // tables of directional albedos, see albedo.h
+    EnvironmentCellArray environment_cells;
     uint light_count;
     uint plane_count;
-    vec3 environment;   // constant radiance from everywhere
-    float scene_radius; // of a sphere around all bounded primitives
-    vec3 scene_center;
     uint delta_light_count; // point, directional and spot lights come first in `lights`
+    uint has_coverage;      // 0: every material is opaque
+    Environment environment;
+    vec3 scene_center;
+    float scene_radius; // of a sphere around all bounded primitives
 };
-SNELL_LAYOUT(SceneView, 152)
+SNELL_LAYOUT(SceneView, 256)
 
 SNELL_FN vec3 transform_point(Transform m, vec3 p)
 {

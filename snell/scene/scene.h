@@ -6,6 +6,8 @@
 
 #include "snell/core/vec.h"
 #include "snell/kernel/scene_view.h"
+#include "snell/scene/animation.h"
+#include "snell/scene/index.h"
 
 #include <array>
 #include <optional>
@@ -14,25 +16,69 @@
 
 namespace snell {
 
-// An index into the vector of T of one Scene.
-template <class T>
-struct Index
-{
-    uint value = none;
-
-    bool valid() const { return value != none; }
-    bool operator==(const Index&) const = default;
-};
-
-// A picture that a material looks up. Row 0 is the top; texture coordinate v points up.
+// A picture that materials or the environment look up. Row 0 is the top; texture coordinate v points up.
 struct Image
 {
     std::string name;
     uint width = 0, height = 0;
     uint format = texels_rgba8_srgb; // texels_*
-    uint wrap = wrap_repeat;         // wrap_*
     std::vector<std::uint8_t> bytes; // 4 a texel, for the rgba8 formats
     std::vector<float> floats;       // 4 a texel, for texels_rgba32f
+};
+
+// How an image is looked up: packed as a TextureSlot. The image is read at (dot(row_u, (u, v, 1)), dot(row_v, (u, v,
+// 1))).
+struct TextureRef
+{
+    Index<Image> image;                              // not valid: no texture, a factor of 1
+    uint uv_set = 0;                                 // 0: Mesh::uvs, 1: Mesh::uvs_1
+    uint wrap_u = wrap_repeat, wrap_v = wrap_repeat; // wrap_*
+    uint filter = filter_bilinear;                   // filter_*
+    uint channel = 0;                                // where one number is wanted: red 0, green 1, blue 2, alpha 3
+    vec3 row_u{1, 0, 0}, row_v{0, 1, 0};
+
+    bool valid() const { return image.valid(); }
+    bool operator==(const TextureRef&) const = default;
+};
+
+// What material_principled has beyond base colour, ior and absorption: the parameters of glTF 2.0's extensions, with
+// their defaults. Textures multiply the number above them unless said otherwise.
+struct PrincipledDesc
+{
+    float metallic = 0.0f; // in [0, 1]
+    TextureRef metallic_texture;
+    float roughness = 0.5f; // perceptual, in [0, 1]: GGX alpha is its square
+    TextureRef roughness_texture;
+    float specular = 1.0f; // strength of the dielectric reflection, in [0, 1]
+    TextureRef specular_texture;
+    vec3 specular_color{1.0f}; // of that at normal incidence, >= 0
+    TextureRef specular_color_texture;
+    float clearcoat = 0.0f;
+    TextureRef clearcoat_texture;
+    float clearcoat_roughness = 0.0f;
+    TextureRef clearcoat_roughness_texture;
+    TextureRef clearcoat_normal_texture;
+    float clearcoat_normal_scale = 1.0f;
+    vec3 sheen_color{0.0f}; // in [0, 1]
+    TextureRef sheen_color_texture;
+    float sheen_roughness = 0.0f;
+    TextureRef sheen_roughness_texture;
+    float transmission = 0.0f; // in [0, 1]
+    TextureRef transmission_texture;
+    bool thin_walled = true; // light goes straight through; false: the surface of a solid that refracts and absorbs
+    float anisotropy = 0.0f; // strength in [0, 1]
+    float anisotropy_rotation = 0.0f; // radians, from the tangent counter-clockwise
+    TextureRef anisotropy_texture;    // red and green: a direction as in a normal map; blue: strength
+    float iridescence = 0.0f;
+    TextureRef iridescence_texture;
+    float iridescence_ior = 1.3f;
+    float iridescence_thickness_min = 100.0f, iridescence_thickness_max = 400.0f; // nanometres
+    TextureRef iridescence_thickness_texture; // chooses between minimum and maximum, which is without texture
+    float dispersion = 0.0f;                  // 20 / Abbe number
+    float diffuse_transmission = 0.0f;        // in [0, 1]
+    TextureRef diffuse_transmission_texture;
+    vec3 diffuse_transmission_color{1.0f};
+    TextureRef diffuse_transmission_color_texture;
 };
 
 // A surface's scattering model; fields mean what they mean in the packed Material.
@@ -43,12 +89,21 @@ struct MaterialDesc
     vec3 base_color{0.8f};
     vec3 emission{0.0f};
     bool two_sided_emission = false;
-    float alpha = 0.0f;
+    float alpha = 0.0f; // GGX; principled materials have a roughness instead
     vec3 specular{0.0f};
     float ior = 1.5f;
     vec3 absorption{0.0f};
-    Index<Image> base_texture;           // multiplies base_color
+    TextureRef base_texture;             // multiplies base_color
     bool texture_tints_specular = false; // and specular
+    TextureRef emission_texture;         // multiplies emission
+    TextureRef normal_texture;           // tangent space, green up
+    float normal_scale = 1.0f;           // of the normal's x and y
+    // How much of the surface is there. opacity times one channel of opacity_texture times the vertex colours' fourth
+    // number is a probability (coverage_blend) or compared with the cutoff (coverage_mask: below, there is nothing).
+    uint coverage = coverage_opaque;
+    float opacity = 1.0f, cutoff = 0.5f;
+    TextureRef opacity_texture;
+    PrincipledDesc principled; // for material_principled
 };
 
 // A triangle mesh. Attributes are per vertex and either empty or as long as positions.
@@ -57,8 +112,9 @@ struct Mesh
     std::string name;
     std::vector<vec3> positions;
     std::vector<vec3> normals;
-    std::vector<vec2> uvs;
-    std::vector<vec3> colors; // linear Rec.709
+    std::vector<vec4> tangents; // xyz unit length, the way u grows; w: -1 if the bitangent is cross(tangent, normal)
+    std::vector<vec2> uvs, uvs_1;
+    std::vector<vec4> colors; // linear Rec.709, and opacity
     std::vector<uvec3> triangles;
     std::vector<Index<MaterialDesc>> triangle_materials; // one a triangle, or empty: all have `material`
     Index<MaterialDesc> material;
@@ -93,6 +149,7 @@ struct InstanceDesc
     std::string name;
     Index<Group> group;
     Transform transform{{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}}; // object to world; must be invertible
+    Index<Node> node; // if valid, pose() keeps transform equal to that node's
 };
 
 struct LightDesc
@@ -104,6 +161,7 @@ struct LightDesc
     vec3 emission{1.0f};               // point, spot: W/sr; directional: W/m2 on a facing surface
     float inner_degrees = 30.0f;       // spot: half angle of the cone of full intensity
     float outer_degrees = 45.0f;       // spot: half angle beyond which nothing is lit
+    Index<Node> node;                  // if valid, pose() puts the light at its origin, shining along its -Z
 };
 
 // A pinhole camera. fov is the full angle of the picture's shorter side.
@@ -114,6 +172,28 @@ struct CameraDesc
     vec3 target{0.0f};
     vec3 up{0.0f, 1.0f, 0.0f};
     float fov_degrees = 40.0f;
+    bool mirrored = false; // the picture's left and right are exchanged
+    Index<Node> node;      // if valid, pose() puts the eye at its origin, looking along its -Z with +Y up
+};
+
+// Light from infinitely far away, in all directions.
+struct EnvironmentDesc
+{
+    vec3 radiance{0.0f};                        // of a constant environment; else what the image is multiplied with
+    Index<Image> image;                         // a latitude-longitude map or an octahedral one
+    uint mapping = environment_equirectangular; // environment_*, says where its texels lie
+    Transform to_world{{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}}; // of directions: a rotation, perhaps with a mirror
+    bool visible = true; // false: camera rays see black with an alpha of 0 instead
+};
+
+// What a file asks its renderer for. The command line's own options go first.
+struct RenderHints
+{
+    std::optional<int> width, height;
+    std::optional<std::array<float, 4>> crop_window; // x0 x1 y0 y1, parts of the picture
+    std::optional<uint> spp, seed;
+    std::optional<std::string> sampler, integrator, output;
+    std::optional<uint> max_depth;
 };
 
 // What loading, repairing and completing a scene has to say.
@@ -140,7 +220,13 @@ struct Scene
     std::vector<InstanceDesc> instances;
     std::vector<LightDesc> lights;
     std::vector<CameraDesc> cameras;
-    vec3 environment{0.0f}; // constant radiance from everywhere
+    EnvironmentDesc environment;
+    std::vector<Node> nodes; // what moves, see animation.h
+    std::vector<Skin> skins;
+    std::vector<Rig> rigs;
+    std::vector<Animation> animations;
+    std::vector<std::string> variants; // names of the sets of materials that the file offers
+    RenderHints hints;
     std::vector<Note> notes;
 };
 
