@@ -10,6 +10,7 @@
 #include <cerrno>
 #include <cstring>
 #include <new>
+#include <utility>
 
 namespace fs = std::filesystem;
 
@@ -42,6 +43,9 @@ class Descriptor
         number_ = -1;
         return ::close(n) == 0;
     }
+
+    // Hands it over: it is no longer closed here.
+    int release() { return std::exchange(number_, -1); }
 
   private:
     int number_;
@@ -133,48 +137,55 @@ fs::path resolve_target(const fs::path& file)
 
 } // namespace
 
-std::string read_file(const fs::path& file)
+InputFile::InputFile(const fs::path& file) : name_(file.string())
 {
     // O_NONBLOCK: opening a pipe must not wait for somebody to write into it.
     Descriptor in(::open(file.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK));
     if (in.number() < 0) {
-        if (errno == ENOENT || errno == ENOTDIR) throw Error({file.string()}, "no such file", "check the path");
-        throw Error({file.string()}, fmt::format("cannot be opened: {}", reason(errno)),
-                    "check the path and its permissions");
+        if (errno == ENOENT || errno == ENOTDIR) throw Error({name_}, "no such file", "check the path");
+        throw Error({name_}, fmt::format("cannot be opened: {}", reason(errno)), "check the path and its permissions");
     }
     struct stat info = {};
     if (::fstat(in.number(), &info) != 0)
-        throw Error({file.string()}, fmt::format("cannot be examined: {}", reason(errno)));
-    if (S_ISDIR(info.st_mode)) throw Error({file.string()}, "is a folder", "name a file in it");
-    if (!S_ISREG(info.st_mode)) throw Error({file.string()}, "is a device, pipe or socket", "name a regular file");
+        throw Error({name_}, fmt::format("cannot be examined: {}", reason(errno)));
+    if (S_ISDIR(info.st_mode)) throw Error({name_}, "is a folder", "name a file in it");
+    if (!S_ISREG(info.st_mode)) throw Error({name_}, "is a device, pipe or socket", "name a regular file");
+    size_ = static_cast<std::uint64_t>(info.st_size);
+    descriptor_ = in.release();
+}
 
+InputFile::~InputFile()
+{
+    ::close(descriptor_);
+}
+
+std::size_t InputFile::read(char* to, std::size_t size)
+{
+    std::size_t done = 0;
+    while (done < size) {
+        const ssize_t n = ::read(descriptor_, to + done, size - done);
+        if (n < 0 && errno == EINTR) continue;
+        if (n < 0) throw Error({name_}, fmt::format("reading failed: {}", reason(errno)));
+        if (n == 0) break;
+        done += static_cast<std::size_t>(n);
+    }
+    return done;
+}
+
+std::string read_file(const fs::path& file)
+{
+    InputFile in(file);
     try {
-        std::string bytes(static_cast<std::size_t>(info.st_size), '\0');
-        std::size_t size = 0;
         // The file may have become shorter since, or be one whose size the system does not know: read to its end.
-        for (;;) {
-            if (size == bytes.size()) {
-                char extra[4096];
-                ssize_t n = ::read(in.number(), extra, sizeof(extra));
-                if (n < 0 && errno == EINTR) continue;
-                if (n < 0) throw Error({file.string()}, fmt::format("reading failed: {}", reason(errno)));
-                if (n == 0) break;
-                bytes.append(extra, static_cast<std::size_t>(n));
-                size = bytes.size();
-                continue;
-            }
-            ssize_t n = ::read(in.number(), bytes.data() + size, bytes.size() - size);
-            if (n < 0 && errno == EINTR) continue;
-            if (n < 0) throw Error({file.string()}, fmt::format("reading failed: {}", reason(errno)));
-            if (n == 0) break;
-            size += static_cast<std::size_t>(n);
-        }
-        bytes.resize(size);
+        std::string bytes(static_cast<std::size_t>(in.size()), '\0');
+        bytes.resize(in.read(bytes.data(), bytes.size()));
+        char extra[4096];
+        while (const std::size_t n = in.read(extra, sizeof(extra))) bytes.append(extra, n);
         return bytes;
     } catch (const std::bad_alloc&) {
     } catch (const std::length_error&) {
     }
-    throw Error({file.string()}, fmt::format("{} bytes do not fit into memory", info.st_size), "use a smaller file");
+    throw Error({in.name()}, fmt::format("{} bytes do not fit into memory", in.size()), "use a smaller file");
 }
 
 void write_atomically(const fs::path& file, const std::function<void(const fs::path& temporary)>& write)
@@ -224,6 +235,21 @@ std::string lower_extension(const fs::path& file)
         if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
     }
     return extension;
+}
+
+static fs::path without_gz(const fs::path& file)
+{
+    return lower_extension(file) == ".gz" ? file.parent_path() / file.stem() : file;
+}
+
+std::string inner_extension(const fs::path& file)
+{
+    return lower_extension(without_gz(file));
+}
+
+std::string inner_stem(const fs::path& file)
+{
+    return without_gz(file).stem().string();
 }
 
 } // namespace snell

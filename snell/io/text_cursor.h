@@ -2,6 +2,7 @@
 #pragma once
 
 #include "snell/core/error.h"
+#include "snell/io/read_number.h"
 
 #include <algorithm>
 #include <charconv>
@@ -48,21 +49,6 @@ inline std::string show_word(std::string_view word)
     std::string shown = "'";
     for (const char c : word.substr(0, 40)) shown += c >= ' ' && c <= '~' ? c : '?';
     return shown + (word.size() > 40 ? "...'" : "'");
-}
-
-// Reads the float that [p, end) begins with, correctly rounded, and moves p behind it; +1, .5, nan and inf are numbers,
-// too large ones become infinite. False, with p unmoved, if there is none.
-inline bool read_float(const char*& p, const char* end, float& value)
-{
-    const char* start = p;
-    if (start < end && *start == '+') ++start; // from_chars takes no plus
-    if (start == end || (start != p && (*start == '-' || *start == '+'))) return false;
-    const auto result = std::from_chars(start, end, value);
-    if (result.ec == std::errc::invalid_argument) return false;
-    if (result.ec == std::errc::result_out_of_range)
-        value = static_cast<float>(std::strtod(std::string(start, result.ptr).c_str(), nullptr));
-    p = result.ptr;
-    return true;
 }
 
 // A place in a text that is read word by word; line ends are spaces like any other.
