@@ -11,8 +11,9 @@ namespace snell {
 
 // Resolves what the files of one scene refer to. A reference is relative to the folder of the scene; '\' counts as '/'
 // where no such file is found. An absolute one, or one that climbs out of the scene's folder, is followed and noted,
-// once each; with `sandbox` it is an Error. Nothing is fetched from a network: a reference with a scheme ("http://...")
-// is an Error.
+// once each; with `sandbox` it is an Error. Of an absolute one that does not exist, a file of that name beside the
+// scene is taken, and noted. Links count as what they lead to; '%' is a character like any other. Nothing is fetched
+// from a network: a reference with a scheme ("http://...") is an Error.
 class References
 {
   public:
@@ -25,7 +26,7 @@ class References
                                   const std::filesystem::path& folder = {});
 
   private:
-    std::filesystem::path root_;
+    std::filesystem::path folder_, root_; // the scene's: as it was given, and without links, "." and ".."
     bool sandbox_;
     Scene& scene_;
     std::set<std::string> noted_;
