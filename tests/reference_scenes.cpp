@@ -54,7 +54,7 @@ Scene make_glass_checker_reference()
 {
     Scene scene;
     scene.name = "glass_checker";
-    scene.environment = vec3(0.2f);
+    scene.environment.radiance = vec3(0.2f);
     MaterialDesc light, dark;
     light.base_color = vec3(0.8f);
     dark.base_color = vec3(0.1f);

@@ -93,7 +93,8 @@ static void print_text(const Summary& summary)
     row("materials", std::to_string(scene.materials.size()));
     row("textures", std::to_string(scene.images.size()));
     row("lights", std::to_string(summary.lights));
-    row("environment", fmt::format("{:g} {:g} {:g}", scene.environment.x, scene.environment.y, scene.environment.z));
+    row("environment", fmt::format("{:g} {:g} {:g}", scene.environment.radiance.x,
+                                    scene.environment.radiance.y, scene.environment.radiance.z));
     for (std::size_t i = 0; i < scene.cameras.size(); ++i) {
         const CameraDesc& c = scene.cameras[i];
         row(i == 0 ? "cameras" : "",
@@ -134,7 +135,7 @@ static void print_json(const Summary& summary)
     json["materials"] = scene.materials.size();
     json["textures"] = scene.images.size();
     json["lights"] = summary.lights;
-    json["environment"] = triple(scene.environment);
+    json["environment"] = triple(scene.environment.radiance);
     json["cameras"] = nlohmann::ordered_json::array();
     for (const CameraDesc& camera : scene.cameras)
         json["cameras"].push_back({{"name", camera.name},

@@ -34,13 +34,14 @@ struct ConnectionQueue
         vec3 value;
         uint slot;
         uint layer;
+        uint seed;
     };
     std::vector<Ray> rays;
     std::vector<Target> targets;
 
     std::size_t size() const { return rays.size(); }
     void clear() { rays.clear(), targets.clear(); }
-    void push(const Connection& c) { rays.push_back(c.ray), targets.push_back({c.value, c.slot, c.layer}); }
+    void push(const Connection& c) { rays.push_back(c.ray), targets.push_back({c.value, c.slot, c.layer, c.seed}); }
 };
 
 // One radiance for each sample of a batch, split by layer.

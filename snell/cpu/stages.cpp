@@ -4,6 +4,7 @@
 #include "snell/kernel/path.h"
 #include "snell/kernel/views.h"
 #include "snell/kernel/whitted.h"
+#include "snell/render/visibility.h"
 
 namespace snell {
 
@@ -22,11 +23,24 @@ void generate_stage(const StageContext& context, Batch& batch, const Region& til
     batch.stats.generate_seconds += timer.seconds();
 }
 
+static void intersect_paths(const StageContext& context, Batch& batch)
+{
+    intersect_covered(context.scene, context.accel, batch.paths.rays, batch.hits,
+                      [&](uint i) { return extension_seed(batch.paths.states[i]); });
+}
+
+// As intersect_paths; steps are counted up to the first surface, with holes or not.
+static void intersect_paths_counted(const StageContext& context, Batch& batch)
+{
+    context.accel.intersect_counted(batch.paths.rays, batch.hits, batch.steps);
+    if (context.scene.has_coverage != 0u) intersect_paths(context, batch);
+}
+
 static void extend_stage(const StageContext& context, Batch& batch)
 {
     const Timer timer;
     batch.hits.resize(batch.paths.size());
-    context.accel.intersect(batch.paths.rays, batch.hits);
+    intersect_paths(context, batch);
     batch.stats.extend_seconds += timer.seconds();
 }
 
@@ -35,7 +49,8 @@ static void connect_stage(const StageContext& context, Batch& batch)
     const Timer timer;
     const ConnectionQueue& queue = batch.connections;
     batch.blocked.resize(queue.size());
-    context.accel.occluded(queue.rays, batch.blocked);
+    occluded_covered(context.scene, context.accel, queue.rays, batch.blocked,
+                     [&](uint i) { return queue.targets[i].seed; });
     for (std::size_t i = 0; i < queue.size(); ++i) {
         const ConnectionQueue::Target& target = queue.targets[i];
         if (!batch.blocked[i]) batch.slots[target.slot].layers[target.layer] += target.value;
@@ -107,9 +122,9 @@ void run_view(const StageContext& context, Batch& batch, uint view)
     batch.hits.resize(count);
     batch.steps.assign(count, 0);
     if (view == view_steps)
-        context.accel.intersect_counted(batch.paths.rays, batch.hits, batch.steps);
+        intersect_paths_counted(context, batch);
     else
-        context.accel.intersect(batch.paths.rays, batch.hits);
+        intersect_paths(context, batch);
     batch.stats.extend_seconds += timer.lap();
     for (std::size_t i = 0; i < count; ++i)
         batch.slots[batch.paths.states[i].slot].layers[layer_emission] =
@@ -159,7 +174,7 @@ void record_first_hits(const StageContext& context, Batch& batch, const Region& 
     generate_stage(context, batch, tile, first_sample, count);
     batch.hits.resize(batch.paths.size());
     batch.steps.resize(batch.paths.size());
-    context.accel.intersect_counted(batch.paths.rays, batch.hits, batch.steps);
+    intersect_paths_counted(context, batch);
     // What is seen in mirrors comes later than the rest; to add up in the order of samples, keep it by slot first.
     std::vector<vec3> albedo(batch.slots.size(), vec3(0.0f)), normal(batch.slots.size(), vec3(0.0f));
     for (uint bounce = 0; batch.paths.size() > 0; ++bounce) {
@@ -189,7 +204,7 @@ void record_first_hits(const StageContext& context, Batch& batch, const Region& 
         }
         std::swap(batch.paths, batch.next);
         batch.hits.resize(batch.paths.size());
-        context.accel.intersect(batch.paths.rays, batch.hits);
+        intersect_paths(context, batch);
     }
     for (std::size_t slot = 0; slot < albedo.size(); ++slot) {
         layers.albedo[film_index(slot)] += albedo[slot];

@@ -8,13 +8,23 @@
 #include "snell/io/stl/stl.h"
 #include "snell/scene/builtin.h"
 
+#include <algorithm>
+
 namespace snell {
 
-static constexpr const char* formats = "give a file that ends in .obj, .ply or .stl";
+static constexpr const char* formats =
+    "give a file that ends in .gltf, .glb, .pbrt, .obj, .ply or .stl (the last three also as .gz)";
 
-Scene load_scene(const std::filesystem::path& file)
+// The ending without a .gz behind it: ".ply" of "bunny.ply.gz".
+static std::string scene_extension(const std::filesystem::path& file)
 {
-    const std::string extension = lower_extension(file);
+    const std::string last = lower_extension(file);
+    return last == ".gz" ? lower_extension(file.stem()) : last;
+}
+
+Scene load_scene(const std::filesystem::path& file, const LoadOptions& options)
+{
+    const std::string extension = scene_extension(file);
     Scene scene;
     if (extension == ".obj")
         scene = load_obj(file);
@@ -31,11 +41,16 @@ Scene load_scene(const std::filesystem::path& file)
                                       : fmt::format("scenes of format '{}' cannot be read", extension),
                     formats);
     }
+    if (!options.variant.empty() &&
+        std::find(scene.variants.begin(), scene.variants.end(), options.variant) == scene.variants.end())
+        throw Error({file.string()}, fmt::format("there is no variant '{}'", options.variant),
+                    scene.variants.empty() ? "the file offers none"
+                                           : fmt::format("the file offers {}", fmt::join(scene.variants, ", ")));
     validate(scene);
     return scene;
 }
 
-Scene open_scene(const std::string& name_or_file)
+Scene open_scene(const std::string& name_or_file, const LoadOptions& options)
 {
     if (std::optional<Scene> scene = make_builtin_scene(name_or_file)) {
         validate(*scene);
@@ -43,7 +58,7 @@ Scene open_scene(const std::string& name_or_file)
     }
     std::error_code error;
     const std::filesystem::path file = name_or_file;
-    if (std::filesystem::exists(file, error) || !lower_extension(file).empty()) return load_scene(file);
+    if (std::filesystem::exists(file, error) || !lower_extension(file).empty()) return load_scene(file, options);
 
     std::vector<std::string> names;
     std::string list;

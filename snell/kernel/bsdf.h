@@ -156,7 +156,8 @@ SNELL_FN float mix_specular_probability(MaterialPoint m)
 // True if eval_bsdf can be other than 0: there is a part that light sampling can serve.
 SNELL_FN bool has_smooth_part(MaterialPoint m)
 {
-    return m.kind == material_diffuse || m.kind == material_mix || (m.kind != material_mirror && m.alpha > 0.0f);
+    return m.kind == material_diffuse || m.kind == material_mix ||
+           ((m.kind == material_dielectric || m.kind == material_conductor) && m.alpha > 0.0f);
 }
 
 SNELL_FN vec3 eval_bsdf(MaterialPoint m, vec3 wo, vec3 wi)
@@ -193,7 +194,7 @@ SNELL_FN float pdf_bsdf(MaterialPoint m, vec3 wo, vec3 wi)
 SNELL_FN BsdfSample sample_bsdf(MaterialPoint m, vec3 wo, vec2 u, float u_lobe)
 {
     BsdfSample s = no_bsdf_sample();
-    if (wo.z == 0.0f) return s;
+    if (wo.z == 0.0f || m.kind == material_unlit) return s;
     if (m.kind == material_diffuse) return sample_lambert(m.base_color, wo, u);
     if (m.kind == material_dielectric) {
         if (m.alpha > 0.0f) return sample_rough_dielectric(m, wo, u, u_lobe);

@@ -47,7 +47,7 @@ SNELL_FN float sphere_cone(Light light, vec3 point)
     vec3 d = light.position - point;
     float d2 = dot(d, d);
     float r2 = light.cos_inner * light.cos_inner;
-    float margin = light.two_sided != 0u ? 1.0001f : 1.000002f;
+    float margin = (light.flags & light_two_sided) != 0u ? 1.0001f : 1.000002f;
     if (d2 <= r2 * margin) return -1.0f;
     float sin2 = r2 / d2;
     return sin2 / (1.0f + sqrt(1.0f - sin2));
@@ -90,7 +90,7 @@ SNELL_FN LightSample sample_triangle_light(Light light, vec3 point, vec2 u)
     if (!(d2 > 0.0f)) return s;
     s.direction = d / sqrt(d2);
     float cosine = -dot(s.direction, n);
-    if (cosine < 0.0f && light.two_sided != 0u) {
+    if (cosine < 0.0f && (light.flags & light_two_sided) != 0u) {
         cosine = -cosine;
         n = -n;
     }
@@ -122,7 +122,7 @@ SNELL_FN LightSample sample_sphere_light(Light light, vec3 point, vec2 u)
         return s;
     }
     // Inside: any point of the sphere; only a two-sided one shines inwards.
-    if (light.two_sided == 0u) return s;
+    if ((light.flags & light_two_sided) == 0u) return s;
     vec3 n = sample_uniform_sphere(u);
     vec3 to = light.position + radius * n - point;
     float d2 = dot(to, to);
@@ -152,7 +152,7 @@ SNELL_FN float pdf_light(Light light, vec3 point, vec3 hit, vec3 normal)
     if (light.kind == light_sphere) {
         float cone = sphere_cone(light, point);
         if (cone > 0.0f) return pdf_uniform_cone(cone);
-        if (light.two_sided == 0u) return 0.0f; // as in sample_sphere_light
+        if ((light.flags & light_two_sided) == 0u) return 0.0f; // as in sample_sphere_light
     } else if (light.kind != light_triangle) {
         return 0.0f;
     }
@@ -171,15 +171,28 @@ SNELL_FN uint select_light(SNELL_IN(SceneView) scene, float u)
     return x - float(i) < scene.lights.at[i].alias_threshold ? i : scene.lights.at[i].alias;
 }
 
-// The constant environment, uniformly over all directions.
-SNELL_FN LightSample sample_environment(vec3 radiance, vec2 u)
+// What the material's textures leave of the emission at the point that a sample with these random numbers has found;
+// for lights that are light_textured. Where the surface has holes, nothing shines.
+SNELL_FN_COLD vec3 light_texture(SNELL_IN(SceneView) scene, Light light, vec2 u, vec3 target)
 {
-    LightSample s = no_light_sample();
-    s.direction = sample_uniform_sphere(u);
-    s.radiance = radiance;
-    s.pdf = pdf_uniform_sphere();
-    s.is_infinite = 1u;
-    return s;
+    SurfacePoint surface;
+    if (light.kind == light_triangle) {
+        vec2 b = sample_triangle(u);
+        Hit hit = miss(0.0f);
+        hit.primitive = light.primitive;
+        hit.u = (light.flags & light_mirrored) != 0u ? b.y : b.x;
+        hit.v = (light.flags & light_mirrored) != 0u ? b.x : b.y;
+        surface = triangle_point(scene, hit);
+    } else {
+        vec3 n = target - light.position;
+        if (light.instance != none) n = transform_vector(scene.instances.at[light.instance].to_object, n);
+        surface.uv = sphere_uv(normalize(n));
+        surface.uv_1 = surface.uv;
+        surface.color = vec4(1.0f);
+        surface.material = scene.spheres.at[primitive_index(light.primitive)].material;
+    }
+    Material material = scene.materials.at[surface.material];
+    return emission_texture(scene, material, surface) * surface_coverage(scene, material, surface);
 }
 
 // The ray that asks whether a light sample reaches the surface.

@@ -2,6 +2,7 @@
 // heuristic (Veach 1997) and Russian roulette, each of which can be switched off.
 #ifndef SNELL_KERNEL_PATH_H
 #define SNELL_KERNEL_PATH_H
+#include "snell/kernel/environment.h"
 #include "snell/kernel/mis.h"
 #include "snell/kernel/path_state.h"
 SNELL_BEGIN
@@ -21,17 +22,31 @@ SNELL_FN uint scatter_layer(uint bounces)
     return min(bounces, layer_indirect);
 }
 
-SNELL_FN vec3 environment_radiance(SNELL_IN(SceneView) scene, SNELL_IN(RenderParams) params)
+// What a path sees that has left the scene.
+SNELL_FN vec3 escaped_radiance(SNELL_IN(SceneView) scene, SNELL_IN(RenderParams) params, uint depth, vec3 direction)
 {
-    return (params.flags & render_furnace) != 0u ? vec3(1.0f) : scene.environment;
+    if ((params.flags & render_furnace) != 0u) return vec3(1.0f);
+    if (depth == 0u && scene.environment.is_visible == 0u) return vec3(0.0f);
+    return environment_radiance(scene, direction);
 }
 
 // Probability of sampling the environment instead of a light. A constant environment is better found by BSDF sampling
 // alone; only where that does not count (light sampling without MIS) is it sampled.
 SNELL_FN float environment_probability(SNELL_IN(SceneView) scene, SNELL_IN(RenderParams) params)
 {
-    if ((params.flags & render_mis) != 0u || is_black(environment_radiance(scene, params))) return 0.0f;
-    return scene.light_count > 0u ? 0.5f : 1.0f;
+    bool is_furnace = (params.flags & render_furnace) != 0u;
+    if (!is_furnace && is_black(scene.environment.radiance)) return 0.0f;
+    if (!is_furnace && scene.environment.columns > 0u) return scene.environment.select_pdf;
+    if ((params.flags & render_mis) != 0u) return 0.0f;
+    return scene.light_count > 0u && !is_furnace ? 0.5f : 1.0f;
+}
+
+// Density per steradian of the environment's directions in next event estimation, its choice included.
+SNELL_FN float escaped_pdf(SNELL_IN(SceneView) scene, SNELL_IN(RenderParams) params, vec3 direction)
+{
+    float p = environment_probability(scene, params);
+    if (p == 0.0f) return 0.0f;
+    return p * ((params.flags & render_furnace) != 0u ? pdf_uniform_sphere() : pdf_environment(scene, direction));
 }
 
 // Weight of light that a BSDF sample found. pdf_light_sampling: with which light sampling would have found it.
@@ -56,12 +71,21 @@ SNELL_FN LightSample sample_direct(SNELL_IN(SceneView) scene, SNELL_IN(RenderPar
 
     LightSample s;
     if (select < p_environment || !has_lights) {
-        s = sample_environment(environment_radiance(scene, params), u);
-        s.pdf *= has_lights ? p_environment : 1.0f;
+        if ((params.flags & render_furnace) != 0u) {
+            s = no_light_sample();
+            s.direction = sample_uniform_sphere(u);
+            s.radiance = vec3(1.0f);
+            s.pdf = pdf_uniform_sphere();
+            s.is_infinite = 1u;
+        } else {
+            s = sample_environment(scene, u);
+        }
+        s.pdf *= p_environment;
     } else {
         uint i = select_light(scene, min((select - p_environment) / (1.0f - p_environment), 0.99999994f));
         Light light = scene.lights.at[i];
         s = sample_light(light, point, u);
+        if ((light.flags & light_textured) != 0u) s.radiance = s.radiance * light_texture(scene, light, u, s.target);
         s.pdf *= light.select_pdf * (1.0f - p_environment);
     }
     return s;
@@ -78,9 +102,9 @@ SNELL_FN PathStep shade_path(SNELL_IN(SceneView) scene, SNELL_IN(RenderParams) p
     PathState state = arriving;
 
     if (!is_hit(hit)) {
-        float p = environment_probability(scene, params);
-        float weight = p > 0.0f ? bsdf_sampling_weight(params, state.pdf, p * pdf_uniform_sphere()) : 1.0f;
-        step.emitted = state.throughput * environment_radiance(scene, params) * weight;
+        float p = state.pdf > 0.0f ? escaped_pdf(scene, params, ray.direction) : 0.0f;
+        float weight = p > 0.0f ? bsdf_sampling_weight(params, state.pdf, p) : 1.0f;
+        step.emitted = state.throughput * escaped_radiance(scene, params, state.depth, ray.direction) * weight;
         return step;
     }
     if (state.medium != none) state.throughput = state.throughput * medium_transmittance(scene, state.medium, hit.t);
@@ -112,6 +136,7 @@ SNELL_FN PathStep shade_path(SNELL_IN(SceneView) scene, SNELL_IN(RenderParams) p
                                         light_transmittance(scene, state.medium, v, light);
                 step.connection.slot = state.slot;
                 step.connection.layer = scatter_layer(state.depth + 1u);
+                step.connection.seed = connection_seed(state);
                 step.has_connection = 1u;
             }
         }

@@ -2,8 +2,10 @@
 #ifndef SNELL_KERNEL_PATH_STATE_H
 #define SNELL_KERNEL_PATH_STATE_H
 #include "snell/kernel/camera.h"
+#include "snell/kernel/coverage.h"
 #include "snell/kernel/light.h"
 #include "snell/kernel/random.h"
+#include "snell/kernel/tangent.h"
 SNELL_BEGIN
 
 // Switches of RenderParams::flags.
@@ -55,8 +57,9 @@ struct Connection
     vec3 value;
     uint slot;
     uint layer;
+    uint seed; // for passes_through
 };
-SNELL_LAYOUT(Connection, 52)
+SNELL_LAYOUT(Connection, 56)
 
 SNELL_FN SampleKey state_key(SNELL_IN(RenderParams) params, SNELL_IN(PathState) state)
 {
@@ -76,6 +79,16 @@ SNELL_CONST uint dimension_select = 3u; // x: which light
 SNELL_FN uint vertex_dimension(uint depth, uint which)
 {
     return 2u + 4u * depth + which;
+}
+
+// The seeds for passes_through of a path's ray, and of the connection from where it arrives.
+SNELL_FN uint extension_seed(SNELL_IN(PathState) state)
+{
+    return hash_uint(state.key_pixel ^ hash_uint(state.key_reversed_index + 2u * state.depth));
+}
+SNELL_FN uint connection_seed(SNELL_IN(PathState) state)
+{
+    return hash_uint(state.key_pixel ^ hash_uint(state.key_reversed_index + 2u * state.depth + 1u));
 }
 
 struct CameraPath
@@ -112,6 +125,18 @@ struct Vertex
     vec3 emission; // radiance emitted back along the ray
 };
 
+// Applies normal maps, and turns the frame along the tangents. back: unit length, to where the ray came from.
+SNELL_FN_COLD void bend_vertex(SNELL_IN(SceneView) scene, SNELL_IN(Material) material, SNELL_IN(Hit) hit, vec3 back,
+                               SNELL_INOUT(Vertex) v)
+{
+    uint uv_set = material.normal_slot != none ? scene.slots.at[material.normal_slot].uv_set : 0u;
+    vec3 tangent = surface_tangents(scene, v.surface, hit, uv_set).u;
+    if (material.normal_slot != none)
+        v.surface.shading_normal =
+            mapped_normal(scene, v.surface, hit, material.normal_slot, material.normal_scale, back);
+    v.frame = make_tangent_frame(v.surface.shading_normal, tangent);
+}
+
 // ray.direction has unit length.
 SNELL_FN Vertex make_vertex(SNELL_IN(SceneView) scene, Ray ray, Hit hit)
 {
@@ -119,12 +144,17 @@ SNELL_FN Vertex make_vertex(SNELL_IN(SceneView) scene, Ray ray, Hit hit)
     v.surface = surface_point(scene, ray, hit);
     Material material = scene.materials.at[v.surface.material];
     v.material = material_point(scene, material, v.surface);
-    v.frame = make_frame(v.surface.shading_normal);
     vec3 back = -ray.direction;
+    if ((material.flags & material_needs_tangents) != 0u)
+        bend_vertex(scene, material, hit, back, v);
+    else
+        v.frame = make_frame(v.surface.shading_normal);
     v.wo = to_local(v.frame, back);
     bool lit_side =
         dot(v.surface.geometric_normal, back) > 0.0f || (material.flags & material_two_sided_emission) != 0u;
     v.emission = lit_side ? material.emission : vec3(0.0f);
+    if (material.emission_slot != none) v.emission = v.emission * emission_texture(scene, material, v.surface);
+    if (material.kind == material_unlit) v.emission = v.material.base_color;
     return v;
 }
 

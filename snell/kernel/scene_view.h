@@ -96,6 +96,11 @@ SNELL_CONST uint light_spot = 2u;        // intensity on the axis, falling off s
 SNELL_CONST uint light_triangle = 3u;    // an emissive triangle
 SNELL_CONST uint light_sphere = 4u;      // an emissive sphere
 
+// Flags of a light.
+SNELL_CONST uint light_two_sided = 1u; // triangle, sphere: emits on both sides
+SNELL_CONST uint light_textured = 2u;  // triangle, sphere: emission is multiplied by what light_texture() looks up
+SNELL_CONST uint light_mirrored = 4u;  // triangle: the last two vertices are exchanged against the packed primitive
+
 struct Light
 {
     vec3 position;    // point, spot: where; sphere: world centre; triangle: first vertex in world space
@@ -105,7 +110,7 @@ struct Light
     vec3 edge;        // triangle: edge to the third vertex
     float cos_outer;  // spot: nothing outside this cosine; triangle: area
     vec3 emission;    // intensity, irradiance or radiance
-    uint two_sided;   // triangle, sphere: emits on both sides
+    uint flags;       // light_* flags
     uint primitive;   // triangle, sphere: packed primitive as in Hit; else none
     uint instance;    // as in Hit
     float select_pdf; // probability with which the light sampler chooses this light
@@ -227,15 +232,6 @@ struct Environment
 };
 SNELL_LAYOUT(Environment, 72)
 
-// A cell of the environment, chosen with the alias method.
-struct EnvironmentCell
-{
-    float probability; // of being chosen
-    float threshold;
-    uint alias;
-};
-SNELL_LAYOUT(EnvironmentCell, 12)
-
 SNELL_ARRAY(Vec3Array, vec3)
 SNELL_ARRAY(Vec4Array, vec4)
 SNELL_ARRAY(Vec2Array, vec2)
@@ -251,7 +247,6 @@ SNELL_ARRAY(LightArray, Light)
 SNELL_ARRAY(TextureArray, Texture)
 SNELL_ARRAY(TextureSlotArray, TextureSlot)
 SNELL_ARRAY(PrincipledArray, Principled)
-SNELL_ARRAY(EnvironmentCellArray, EnvironmentCell)
 
 // Everything a kernel may look up. Primitives of one group (and those in world space) are consecutive.
 struct SceneView
@@ -273,8 +268,8 @@ struct SceneView
     FloatArray srgb; // 256 entries: sRGB byte to linear value
     TextureSlotArray slots;
     PrincipledArray principled;
-    FloatArray albedo; // tables of directional albedos, see albedo.h
-    EnvironmentCellArray environment_cells;
+    FloatArray albedo;          // tables of directional albedos, see albedo.h
+    FloatArray environment_cdf; // of the environment's cells, see environment.h
     uint light_count;
     uint plane_count;
     uint delta_light_count; // point, directional and spot lights come first in `lights`

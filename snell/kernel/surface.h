@@ -13,7 +13,8 @@ struct SurfacePoint
     vec3 geometric_normal; // unit length, outward
     vec3 shading_normal;   // unit length, on the side of the geometric normal
     vec2 uv;
-    vec3 color;    // interpolated vertex colour; 1 where there is none
+    vec2 uv_1;     // second texture coordinates; the first where there are none
+    vec4 color;    // interpolated vertex colour and opacity; 1 where there is none
     uint material; // index
     uint object;   // number in the Scene: meshes, then spheres, then planes
     uint light;    // index of the light that this point belongs to, or none
@@ -68,7 +69,11 @@ SNELL_FN SurfacePoint triangle_point(SNELL_IN(SceneView) scene, Hit hit)
     if (surface.uv_base != none)
         s.uv = w * scene.uvs.at[surface.uv_base + i0] + hit.u * scene.uvs.at[surface.uv_base + i1] +
                hit.v * scene.uvs.at[surface.uv_base + i2];
-    s.color = vec3(1.0f);
+    s.uv_1 = s.uv;
+    if (surface.uv_1_base != none)
+        s.uv_1 = w * scene.uvs.at[surface.uv_1_base + i0] + hit.u * scene.uvs.at[surface.uv_1_base + i1] +
+                 hit.v * scene.uvs.at[surface.uv_1_base + i2];
+    s.color = vec4(1.0f);
     if (surface.color_base != none)
         s.color = w * scene.colors.at[surface.color_base + i0] + hit.u * scene.colors.at[surface.color_base + i1] +
                   hit.v * scene.colors.at[surface.color_base + i2];
@@ -80,6 +85,13 @@ SNELL_FN SurfacePoint triangle_point(SNELL_IN(SceneView) scene, Hit hit)
     return s;
 }
 
+// Longitude and latitude of a point of the unit sphere, from 0 to 1; +Z is in the middle.
+SNELL_FN vec2 sphere_uv(vec3 n)
+{
+    // not asin: near the poles it loses digits, and GPUs compute it to three places only
+    return vec2(0.5f + atan(n.x, n.z) * (0.5f * inv_pi), 0.5f + atan(n.y, sqrt(n.x * n.x + n.z * n.z)) * inv_pi);
+}
+
 // ray: in the space of the sphere.
 SNELL_FN SurfacePoint sphere_point(SNELL_IN(SceneView) scene, Ray ray, Hit hit)
 {
@@ -89,9 +101,9 @@ SNELL_FN SurfacePoint sphere_point(SNELL_IN(SceneView) scene, Ray ray, Hit hit)
     s.position = sphere.center + sphere.radius * n;
     s.geometric_normal = n;
     s.shading_normal = n;
-    // not asin: near the poles it loses digits, and GPUs compute it to three places only
-    s.uv = vec2(0.5f + atan(n.x, n.z) * (0.5f * inv_pi), 0.5f + atan(n.y, sqrt(n.x * n.x + n.z * n.z)) * inv_pi);
-    s.color = vec3(1.0f);
+    s.uv = sphere_uv(n);
+    s.uv_1 = s.uv;
+    s.color = vec4(1.0f);
     s.material = sphere.material;
     s.object = sphere.object;
     s.light = sphere.light;
@@ -108,7 +120,8 @@ SNELL_FN SurfacePoint plane_point(SNELL_IN(SceneView) scene, Ray ray, Hit hit)
     s.shading_normal = plane.normal;
     Frame frame = make_frame(plane.normal);
     s.uv = vec2(dot(s.position, frame.s), dot(s.position, frame.t)); // world units
-    s.color = vec3(1.0f);
+    s.uv_1 = s.uv;
+    s.color = vec4(1.0f);
     s.material = plane.material;
     s.object = plane.object;
     s.light = none;
@@ -151,14 +164,42 @@ SNELL_FN SurfacePoint surface_point(SNELL_IN(SceneView) scene, Ray ray, Hit hit)
     return s;
 }
 
+// A texture slot's colour, or one channel; 1 without a texture.
+SNELL_FN vec3 slot_color(SNELL_IN(SceneView) scene, uint slot, SNELL_IN(SurfacePoint) surface)
+{
+    if (slot == none) return vec3(1.0f);
+    vec4 texel = sample_texture(scene, slot, surface.uv, surface.uv_1);
+    return vec3(texel.x, texel.y, texel.z);
+}
+SNELL_FN float slot_value(SNELL_IN(SceneView) scene, uint slot, SNELL_IN(SurfacePoint) surface)
+{
+    if (slot == none) return 1.0f;
+    vec4 texel = sample_texture(scene, slot, surface.uv, surface.uv_1);
+    return texel[scene.slots.at[slot].channel];
+}
+
+SNELL_FN vec3 emission_texture(SNELL_IN(SceneView) scene, SNELL_IN(Material) material, SNELL_IN(SurfacePoint) surface)
+{
+    return slot_color(scene, material.emission_slot, surface);
+}
+
+// Probability with which a ray finds the surface there instead of passing through.
+SNELL_FN float surface_coverage(SNELL_IN(SceneView) scene, SNELL_IN(Material) material, SNELL_IN(SurfacePoint) surface)
+{
+    if (material.coverage == coverage_opaque) return 1.0f;
+    float opacity = material.opacity * surface.color.w * slot_value(scene, material.opacity_slot, surface);
+    if (material.coverage == coverage_mask) return opacity < material.cutoff ? 0.0f : 1.0f;
+    return clamp(opacity, 0.0f, 1.0f);
+}
+
 SNELL_FN MaterialPoint material_point(SNELL_IN(SceneView) scene, Material material, SurfacePoint surface)
 {
     MaterialPoint m;
     m.kind = material.kind;
-    m.base_color = material.base_color * surface.color;
+    m.base_color = material.base_color * vec3(surface.color.x, surface.color.y, surface.color.z);
     m.specular = material.specular;
-    if (material.base_texture != none) {
-        vec4 texel = sample_texture(scene, material.base_texture, surface.uv);
+    if (material.base_slot != none) {
+        vec4 texel = sample_texture(scene, material.base_slot, surface.uv, surface.uv_1);
         vec3 color = vec3(texel.x, texel.y, texel.z);
         m.base_color = m.base_color * color;
         if ((material.flags & material_texture_tints_specular) != 0u) m.specular = m.specular * color;

@@ -1,4 +1,4 @@
-// Texture lookup: bilinear, from flat buffers, so that CPU and GPU see the same texels.
+// Texture lookup from flat buffers, so that CPU and GPU see the same texels.
 #ifndef SNELL_KERNEL_TEXTURE_H
 #define SNELL_KERNEL_TEXTURE_H
 #include "snell/kernel/scene_view.h"
@@ -15,10 +15,10 @@ SNELL_FN int wrap_texel(int i, int size, uint mode)
 }
 
 // Linear RGBA of one texel; x and y count from the upper left.
-SNELL_FN vec4 fetch_texel(SNELL_IN(SceneView) scene, Texture texture, int x, int y)
+SNELL_FN vec4 fetch_texel(SNELL_IN(SceneView) scene, Texture texture, TextureSlot slot, int x, int y)
 {
-    uint i = uint(wrap_texel(y, int(texture.height), texture.wrap)) * texture.width +
-             uint(wrap_texel(x, int(texture.width), texture.wrap));
+    uint i = uint(wrap_texel(y, int(texture.height), slot.wrap_v)) * texture.width +
+             uint(wrap_texel(x, int(texture.width), slot.wrap_u));
     if (texture.format == texels_rgba32f) {
         uint o = texture.offset + 4u * i;
         return vec4(uintBitsToFloat(scene.texels.at[o]), uintBitsToFloat(scene.texels.at[o + 1u]),
@@ -30,27 +30,46 @@ SNELL_FN vec4 fetch_texel(SNELL_IN(SceneView) scene, Texture texture, int x, int
     uint b = (word >> 16) & 0xffu;
     float a = float(word >> 24) * (1.0f / 255.0f);
     if (texture.format == texels_rgba8_srgb) return vec4(scene.srgb.at[r], scene.srgb.at[g], scene.srgb.at[b], a);
-    return vec4(float(r) * (1.0f / 255.0f), float(g) * (1.0f / 255.0f), float(b) * (1.0f / 255.0f), a);
+    float scale = 1.0f / 255.0f;
+    return vec4(float(r) * scale, float(g) * scale, float(b) * scale, a);
 }
 
-// Linear RGBA at texture coordinates uv; v = 1 is the upper edge. Texel centres lie at half-integers.
-SNELL_FN_COLD vec4 sample_texture(SNELL_IN(SceneView) scene, uint index, vec2 uv)
+// Brings a far coordinate near, where wrapping sees no difference: beyond 2^24 the integer part would swallow the
+// fraction.
+SNELL_FN float near_coordinate(float x, uint mode)
 {
-    Texture texture = scene.textures.at[index];
+    return mode == wrap_clamp ? clamp(x, 0.0f, 1.0f) : x - 2.0f * floor(0.5f * x);
+}
+
+// Linear RGBA at a coordinate of the slot's texture; u = 0 is the left edge, v = 0 the lower one.
+SNELL_FN vec4 filter_texture(SNELL_IN(SceneView) scene, TextureSlot slot, vec2 uv)
+{
+    Texture texture = scene.textures.at[slot.texture];
     if (!is_finite(uv.x) || !is_finite(uv.y))
-        return fetch_texel(scene, texture, 0, 0); // before GLSL's clamp sees a NaN
-    // bring far coordinates near first: beyond 2^24 the integer part would swallow the fraction
-    float u = texture.wrap == wrap_clamp ? clamp(uv.x, 0.0f, 1.0f) : uv.x - 2.0f * floor(0.5f * uv.x);
-    float v = texture.wrap == wrap_clamp ? clamp(uv.y, 0.0f, 1.0f) : uv.y - 2.0f * floor(0.5f * uv.y);
-    float x = u * float(texture.width) - 0.5f;
-    float y = (1.0f - v) * float(texture.height) - 0.5f;
+        return fetch_texel(scene, texture, slot, 0, 0); // before GLSL's clamp sees a NaN
+    float x = near_coordinate(uv.x, slot.wrap_u) * float(texture.width);
+    float y = (1.0f - near_coordinate(uv.y, slot.wrap_v)) * float(texture.height);
+    if (slot.filter_mode == filter_nearest) return fetch_texel(scene, texture, slot, int(floor(x)), int(floor(y)));
+    x -= 0.5f;
+    y -= 0.5f;
     float x0 = floor(x);
     float y0 = floor(y);
     int ix = int(x0);
     int iy = int(y0);
-    vec4 top = mix(fetch_texel(scene, texture, ix, iy), fetch_texel(scene, texture, ix + 1, iy), x - x0);
-    vec4 bottom = mix(fetch_texel(scene, texture, ix, iy + 1), fetch_texel(scene, texture, ix + 1, iy + 1), x - x0);
+    vec4 top = mix(fetch_texel(scene, texture, slot, ix, iy), fetch_texel(scene, texture, slot, ix + 1, iy), x - x0);
+    vec4 bottom =
+        mix(fetch_texel(scene, texture, slot, ix, iy + 1), fetch_texel(scene, texture, slot, ix + 1, iy + 1), x - x0);
     return mix(top, bottom, y - y0);
+}
+
+// Linear RGBA that a slot (not none) gives a point with these texture coordinates.
+SNELL_FN vec4 sample_texture(SNELL_IN(SceneView) scene, uint slot_index, vec2 uv_0, vec2 uv_1)
+{
+    TextureSlot slot = scene.slots.at[slot_index];
+    vec2 uv = slot.uv_set == 0u ? uv_0 : uv_1;
+    vec2 at = vec2(slot.row_u.x * uv.x + slot.row_u.y * uv.y + slot.row_u.z,
+                   slot.row_v.x * uv.x + slot.row_v.y * uv.y + slot.row_v.z);
+    return filter_texture(scene, slot, at);
 }
 
 SNELL_END

@@ -55,6 +55,7 @@ SNELL_FN Connection ambient_connection(SNELL_IN(SceneView) scene, SNELL_IN(Rende
     c.value = above ? vec3(1.0f) : vec3(0.0f);
     c.slot = state.slot;
     c.layer = layer_direct;
+    c.seed = connection_seed(state);
     return c;
 }
 

@@ -42,7 +42,8 @@ SNELL_FN WhittedStep shade_whitted(SNELL_IN(SceneView) scene, SNELL_IN(RenderPar
     // after a rough bounce the lights have been sampled there
     bool counts_emission = arriving.pdf == 0.0f;
     if (!is_hit(hit)) {
-        if (counts_emission) step.emitted = arriving.throughput * scene.environment;
+        if (counts_emission)
+            step.emitted = arriving.throughput * escaped_radiance(scene, params, arriving.depth, ray.direction);
         return step;
     }
     if (arriving.medium != none)
@@ -54,7 +55,7 @@ SNELL_FN WhittedStep shade_whitted(SNELL_IN(SceneView) scene, SNELL_IN(RenderPar
     if (has_smooth_part(v.material)) {
         step.light_tasks = scene.delta_light_count;
         if (scene.light_count > scene.delta_light_count) step.light_tasks += 1u;
-        if (!is_black(scene.environment)) step.light_tasks += 1u;
+        if (!is_black(scene.environment.radiance)) step.light_tasks += 1u;
     }
     if (arriving.depth >= params.max_depth || v.material.kind == material_diffuse || v.wo.z == 0.0f) return step;
 
@@ -104,16 +105,20 @@ SNELL_FN Connection whitted_connection(SNELL_IN(SceneView) scene, SNELL_IN(Rende
         if (task == scene.delta_light_count && area_lights > 0u) {
             float x = u.x * float(area_lights); // one number chooses the light and, stretched again, the point on it
             uint i = min(uint(x), area_lights - 1u);
-            s = sample_light(scene.lights.at[scene.delta_light_count + i], step.vertex.surface.position,
-                             vec2(min(x - float(i), 0.99999994f), u.y));
+            Light light = scene.lights.at[scene.delta_light_count + i];
+            vec2 u_light = vec2(min(x - float(i), 0.99999994f), u.y);
+            s = sample_light(light, step.vertex.surface.position, u_light);
+            if ((light.flags & light_textured) != 0u)
+                s.radiance = s.radiance * light_texture(scene, light, u_light, s.target);
             s.pdf /= float(area_lights);
         } else {
-            s = sample_environment(scene.environment, u);
+            s = sample_environment(scene, u);
         }
     }
     Connection c;
     c.slot = step.state.slot;
     c.layer = scatter_layer(step.state.depth + 1u);
+    c.seed = connection_seed(step.state) + task;
     c.value = vec3(0.0f);
     if (s.pdf > 0.0f)
         c.value = step.state.throughput * vertex_eval(step.vertex, s.direction) * s.radiance / s.pdf *

@@ -1,20 +1,31 @@
 #include "snell/render/integrator.h"
 
 #include "snell/core/error.h"
+#include "snell/render/visibility.h"
 
 namespace snell {
+
+// A custom integrator's rays have no number; no two of them are equal.
+static uint ray_seed(const Ray& ray)
+{
+    const uvec3 h =
+        pcg3d(uvec3(floatBitsToUint(ray.origin.x), floatBitsToUint(ray.origin.y), floatBitsToUint(ray.origin.z)));
+    const uvec3 d = pcg3d(
+        uvec3(floatBitsToUint(ray.direction.x), floatBitsToUint(ray.direction.y), floatBitsToUint(ray.direction.z)));
+    return hash_uint(h.x ^ d.y);
+}
 
 Hit RayScene::intersect(const Ray& ray) const
 {
     Hit hit;
-    accel_.intersect({&ray, 1}, {&hit, 1});
+    intersect_covered(view, accel_, {&ray, 1}, {&hit, 1}, [&](uint) { return ray_seed(ray); });
     return hit;
 }
 
 bool RayScene::occluded(const Ray& ray) const
 {
     std::uint8_t blocked = 0;
-    accel_.occluded({&ray, 1}, {&blocked, 1});
+    occluded_covered(view, accel_, {&ray, 1}, {&blocked, 1}, [&](uint) { return ray_seed(ray); });
     return blocked != 0;
 }
 

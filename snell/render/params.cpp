@@ -25,7 +25,8 @@ static double parse_whole_number(const std::string& key, const std::string& text
 {
     const double value = parse_number(key, text);
     if (value != std::floor(value))
-        throw Error(fmt::format("-D {}={} is not a whole number", key, text), fmt::format("give one, such as {}=5", key));
+        throw Error(fmt::format("-D {}={} is not a whole number", key, text),
+                    fmt::format("give one, such as {}=5", key));
     return value;
 }
 

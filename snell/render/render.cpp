@@ -22,14 +22,35 @@ static std::string suggestion(const std::string& name, const Infos& infos)
     return near.empty() ? fmt::format("there are {}", fmt::join(names, ", ")) : fmt::format("did you mean '{}'?", near);
 }
 
+static void forget_textures(Material& material)
+{
+    material.base_slot = material.emission_slot = material.normal_slot = material.opacity_slot = none;
+}
+
+static void forget_textures(Principled& p)
+{
+    for (uint* slot : {&p.metallic_slot, &p.roughness_slot, &p.specular_slot, &p.specular_color_slot, &p.clearcoat_slot,
+                       &p.clearcoat_roughness_slot, &p.clearcoat_normal_slot, &p.sheen_color_slot,
+                       &p.sheen_roughness_slot, &p.transmission_slot, &p.anisotropy_slot, &p.iridescence_slot,
+                       &p.iridescence_thickness_slot, &p.diffuse_transmission_slot, &p.diffuse_transmission_color_slot})
+        *slot = none;
+}
+
 static void apply_overrides(PackedScene& packed, const RenderSettings& settings)
 {
+    if (!settings.image_textures)
+        for (Principled& p : packed.principled) forget_textures(p);
     for (Material& material : packed.materials) {
-        if (!settings.image_textures) material.base_texture = none;
+        if (!settings.image_textures) forget_textures(material);
         if (!settings.force_diffuse || material.kind == material_diffuse) continue;
-        MaterialPoint point{material.base_color, material.kind,       material.specular,
-                            material.alpha,      material.absorption, material.ior};
-        material.base_color = material_albedo(point);
+        MaterialPoint point = {};
+        point.base_color = material.base_color;
+        point.kind = material.kind;
+        point.specular = material.specular;
+        point.alpha = material.alpha;
+        point.k = material.absorption;
+        point.ior = material.ior;
+        material.base_color = material.kind == material_principled ? material.base_color : material_albedo(point);
         material.kind = material_diffuse;
     }
 }

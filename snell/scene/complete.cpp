@@ -148,7 +148,7 @@ static void add_camera(Scene& scene, const Bounds& bounds, float aspect, vec3 up
 
 static bool is_lit(const Scene& scene)
 {
-    if (!is_black(scene.environment)) return true;
+    if (!is_black(scene.environment.radiance)) return true;
     for (const LightDesc& light : scene.lights)
         if (!is_black(light.emission)) return true;
 
@@ -188,7 +188,7 @@ static void add_light(Scene& scene)
     const vec3 right = normalize(cross(forward, camera.up));
     const vec3 up = cross(right, forward);
 
-    scene.environment = vec3(0.4f);
+    scene.environment.radiance = vec3(0.4f);
     LightDesc light;
     light.name = "added";
     light.kind = light_directional;

@@ -42,6 +42,12 @@ Light make_light(const LightDesc& desc)
     return light;
 }
 
+static uint emission_flags(const Material& material)
+{
+    const bool is_textured = material.emission_slot != none || material.coverage != coverage_opaque;
+    return (material.flags & material_two_sided_emission ? light_two_sided : 0u) | (is_textured ? light_textured : 0u);
+}
+
 Light make_triangle_light(vec3 a, vec3 b, vec3 c, const Material& material, uint primitive, uint instance)
 {
     Light light = blank_light(light_triangle);
@@ -53,7 +59,7 @@ Light make_triangle_light(vec3 a, vec3 b, vec3 c, const Material& material, uint
     light.cos_outer = static_cast<float>(0.5 * area2);
     light.normal = area2 > 0.0 ? vec3(cross / area2) : vec3(0.0f);
     light.emission = material.emission;
-    light.two_sided = material.flags & material_two_sided_emission ? 1u : 0u;
+    light.flags = emission_flags(material);
     light.primitive = primitive;
     light.instance = instance;
     return light;
@@ -65,7 +71,7 @@ Light make_sphere_light(vec3 center, float radius, const Material& material, uin
     light.position = center;
     light.cos_inner = radius;
     light.emission = material.emission;
-    light.two_sided = material.flags & material_two_sided_emission ? 1u : 0u;
+    light.flags = emission_flags(material);
     light.primitive = primitive;
     light.instance = instance;
     return light;
@@ -76,7 +82,7 @@ double light_power(const Light& light, double scene_radius)
     const double emitted = 0.2126 * static_cast<double>(light.emission.x) +
                            0.7152 * static_cast<double>(light.emission.y) +
                            0.0722 * static_cast<double>(light.emission.z);
-    const double sides = light.two_sided != 0u ? 2.0 : 1.0;
+    const double sides = (light.flags & light_two_sided) != 0u ? 2.0 : 1.0;
     const double a = static_cast<double>(light.cos_inner), b = static_cast<double>(light.cos_outer);
     switch (light.kind) {
     case light_point:

@@ -4,22 +4,16 @@
 // each run goes. Then the filling, in parallel and by element. Lights come last, from the finished primitives.
 #include "snell/core/error.h"
 #include "snell/core/parallel.h"
-#include "snell/kernel/tone.h"
 #include "snell/scene/lights.h"
+#include "snell/scene/pack_parts.h"
 #include "snell/scene/packed.h"
 
 #include <algorithm>
 #include <cmath>
-#include <cstring>
 
 namespace snell {
 
 static constexpr std::size_t grain = 1 << 15;
-
-// A rougher surface than this is what the GGX formulas take. Below, alpha squared nears the spacing of floats around 1,
-// in which they compute, and the lobe (peak 1 / (pi alpha^2) > 300,000) is narrower than a pixel of any picture: such a
-// surface is a perfect mirror or glass.
-static constexpr float smooth_alpha = 1e-3f;
 
 static constexpr std::size_t max_primitives = std::size_t{1} << 30; // two bits of Hit::primitive hold the kind
 
@@ -53,8 +47,9 @@ struct MeshPlan
 {
     bool planned = false;
     std::vector<MaterialRun> runs; // by material
-    uint uv_base = none, color_base = none;
-    uint object_positions = none, object_normals = none; // if it is in a group that stays in object space
+    uint uv_base = none, uv_1_base = none, color_base = none;
+    uint object_positions = none, object_normals = none,
+         object_tangents = none; // if it is in a group that stays in object space
 };
 
 // One mesh in one run of primitives.
@@ -62,7 +57,7 @@ struct MeshPlacement
 {
     uint mesh;
     const InstanceDesc* baked; // the transform to apply; nullptr: object space
-    uint first_vertex, normal_base, first_triangle, first_surface;
+    uint first_vertex, normal_base, tangent_base, first_triangle, first_surface;
     bool writes_vertices; // false: shared with an earlier placement
 };
 
@@ -80,13 +75,12 @@ class Packer
 
     void run()
     {
-        pack_materials();
-        pack_textures();
+        pack_materials(scene_, packed_);
+        pack_images(scene_, packed_);
         plan_groups();
         fill_meshes();
         fill_spheres();
         pack_planes();
-        packed_.environment = scene_.environment;
         const Bounds bounds = scene_bounds(scene_);
         if (!bounds.empty()) {
             packed_.center = bounds.center();
@@ -94,11 +88,10 @@ class Packer
             if (radius > 0.0f) packed_.radius = radius;
         }
         pack_lights(scene_, packed_);
+        pack_environment(scene_, packed_);
     }
 
   private:
-    void pack_materials();
-    void pack_textures();
     bool can_be_baked(const InstanceDesc& instance) const;
     void plan_groups();
     void plan_mesh(uint mesh);
@@ -115,55 +108,9 @@ class Packer
     std::vector<MeshPlacement> mesh_placements_;
     std::vector<SpherePlacement> sphere_placements_;
     std::vector<std::uint8_t> writes_uvs_; // by placement: the first one of each mesh
-    std::size_t positions_ = 0, normals_ = 0, uvs_ = 0, colors_ = 0, triangles_ = 0, surfaces_ = 0;
+    std::size_t positions_ = 0, normals_ = 0, tangents_ = 0, uvs_ = 0, colors_ = 0, triangles_ = 0, surfaces_ = 0;
 };
 } // namespace
-
-void Packer::pack_materials()
-{
-    packed_.materials.reserve(scene_.materials.size());
-    for (const MaterialDesc& desc : scene_.materials) {
-        Material m = {};
-        m.base_color = desc.base_color;
-        m.kind = desc.kind;
-        m.emission = desc.emission;
-        m.alpha = desc.alpha < smooth_alpha ? 0.0f : desc.alpha;
-        m.specular = desc.specular;
-        m.ior = desc.ior;
-        m.absorption = desc.absorption;
-        if (desc.two_sided_emission) m.flags |= material_two_sided_emission;
-        if (desc.texture_tints_specular) m.flags |= material_texture_tints_specular;
-        m.base_texture = desc.base_texture.value;
-        packed_.materials.push_back(m);
-    }
-    packed_.srgb.resize(256);
-    for (uint i = 0; i < 256; ++i) packed_.srgb[i] = srgb_decode(static_cast<float>(i) / 255.0f);
-}
-
-void Packer::pack_textures()
-{
-    std::size_t words = 0;
-    for (const Image& image : scene_.images)
-        words += std::size_t{image.width} * image.height * (image.format == texels_rgba32f ? 4 : 1);
-    if (words >= none) throw Error(fmt::format("the textures have {} words of texels; 2^32 is the limit", words));
-    packed_.texels.resize(words);
-    std::size_t offset = 0;
-    for (const Image& image : scene_.images) {
-        Texture texture = {};
-        texture.offset = static_cast<uint>(offset);
-        texture.width = image.width;
-        texture.height = image.height;
-        texture.format = image.format;
-        texture.wrap = image.wrap;
-        packed_.textures.push_back(texture);
-        const bool is_float = image.format == texels_rgba32f;
-        const std::size_t bytes = is_float ? image.floats.size() * sizeof(float) : image.bytes.size();
-        if (bytes > 0)
-            std::memcpy(packed_.texels.data() + offset,
-                        is_float ? static_cast<const void*>(image.floats.data()) : image.bytes.data(), bytes);
-        offset += bytes / 4;
-    }
-}
 
 // A map that makes spheres ellipsoids, or that turns textured ones, cannot be applied beforehand.
 bool Packer::can_be_baked(const InstanceDesc& instance) const
@@ -173,7 +120,7 @@ bool Packer::can_be_baked(const InstanceDesc& instance) const
     if (uniform_scale(instance.transform) == 0.0f) return false;
     if (is_unrotated(instance.transform)) return true;
     return std::none_of(group.spheres.begin(), group.spheres.end(), [&](Index<SphereDesc> sphere) {
-        return scene_.materials[scene_.spheres[sphere.value].material.value].base_texture.valid();
+        return is_textured(packed_.materials[scene_.spheres[sphere.value].material.value]);
     });
 }
 
@@ -186,6 +133,10 @@ void Packer::plan_mesh(uint index)
     if (!mesh.uvs.empty()) {
         plan.uv_base = static_cast<uint>(uvs_);
         uvs_ += mesh.uvs.size();
+    }
+    if (!mesh.uvs_1.empty()) {
+        plan.uv_1_base = static_cast<uint>(uvs_);
+        uvs_ += mesh.uvs_1.size();
     }
     if (!mesh.colors.empty()) {
         plan.color_base = static_cast<uint>(colors_);
@@ -234,16 +185,19 @@ PackedGroup Packer::add_group(const Group& group, const InstanceDesc* baked)
         p.writes_vertices = !is_shared;
         p.first_vertex = is_shared ? plan.object_positions : static_cast<uint>(positions_);
         p.normal_base = mesh.normals.empty() ? none : is_shared ? plan.object_normals : static_cast<uint>(normals_);
+        p.tangent_base = mesh.tangents.empty() ? none : is_shared ? plan.object_tangents : static_cast<uint>(tangents_);
         p.first_triangle = static_cast<uint>(triangles_);
         p.first_surface = static_cast<uint>(surfaces_);
         mesh_placements_.push_back(p);
         if (baked == nullptr) {
             plan.object_positions = p.first_vertex;
             plan.object_normals = p.normal_base;
+            plan.object_tangents = p.tangent_base;
         }
         if (!is_shared) {
             positions_ += mesh.positions.size();
             normals_ += mesh.normals.size();
+            tangents_ += mesh.tangents.size();
         }
         triangles_ += mesh.triangles.size();
         surfaces_ += plan.runs.size();
@@ -330,7 +284,9 @@ void Packer::fill_triangles(const MeshPlacement& placement)
         surface.first_vertex = placement.first_vertex;
         surface.normal_base = placement.normal_base;
         surface.uv_base = plan.uv_base;
+        surface.uv_1_base = plan.uv_1_base;
         surface.color_base = plan.color_base;
+        surface.tangent_base = placement.tangent_base;
         surface.first_triangle = first;
         surface.first_light = none;
         next.push_back(first);
@@ -372,12 +328,21 @@ void Packer::fill_placement(const MeshPlacement& placement)
         for (std::size_t i = begin; i < end; ++i)
             packed_.normals[placement.normal_base + i] = unit(transform_normal(to_object, mesh.normals[i]));
     });
+    const float handedness = determinant(to_world) < 0.0f ? -1.0f : 1.0f;
+    parallel_ranges(mesh.tangents.size(), grain, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t i = begin; i < end; ++i) {
+            const vec4 t = mesh.tangents[i];
+            packed_.tangents[placement.tangent_base + i] =
+                vec4(unit(transform_vector(to_world, vec3(t))), handedness * t.w);
+        }
+    });
 }
 
 void Packer::fill_meshes()
 {
     packed_.positions.resize(positions_);
     packed_.normals.resize(normals_);
+    packed_.tangents.resize(tangents_);
     packed_.uvs.resize(uvs_);
     packed_.colors.resize(colors_);
     packed_.triangles.resize(triangles_);
@@ -388,6 +353,8 @@ void Packer::fill_meshes()
         const Mesh& mesh = scene_.meshes[mesh_placements_[i].mesh];
         const MeshPlan& plan = meshes_[mesh_placements_[i].mesh];
         if (plan.uv_base != none) std::copy(mesh.uvs.begin(), mesh.uvs.end(), packed_.uvs.begin() + plan.uv_base);
+        if (plan.uv_1_base != none)
+            std::copy(mesh.uvs_1.begin(), mesh.uvs_1.end(), packed_.uvs.begin() + plan.uv_1_base);
         if (plan.color_base != none)
             std::copy(mesh.colors.begin(), mesh.colors.end(), packed_.colors.begin() + plan.color_base);
     });

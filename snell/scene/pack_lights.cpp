@@ -1,7 +1,8 @@
 // The light list of a packed scene, from its finished primitives.
 #include "snell/core/error.h"
 #include "snell/core/parallel.h"
-#include "snell/kernel/ray.h"
+#include "snell/kernel/light.h"
+#include "snell/kernel/random.h"
 #include "snell/scene/lights.h"
 
 #include <algorithm>
@@ -59,9 +60,10 @@ static void make_area_lights(const Scene& scene, PackedScene& packed, const Pack
         if (instance != nullptr)
             for (vec3& corner : p) corner = transform_point(instance->to_world, corner);
         if (mirrored) std::swap(p[1], p[2]);
-        packed.lights[base + surface.first_light + (t - surface.first_triangle)] =
-            make_triangle_light(p[0], p[1], p[2], packed.materials[surface.material],
-                                pack_primitive(kind_triangle, static_cast<uint>(t)), instance_index);
+        Light& light = packed.lights[base + surface.first_light + (t - surface.first_triangle)];
+        light = make_triangle_light(p[0], p[1], p[2], packed.materials[surface.material],
+                                    pack_primitive(kind_triangle, static_cast<uint>(t)), instance_index);
+        if (mirrored) light.flags |= light_mirrored;
     }
     for (uint i = 0; i < group.sphere_count; ++i) {
         const uint index = group.first_sphere + i;
@@ -99,6 +101,22 @@ static std::vector<double> selection_weights(const std::vector<double>& powers)
     return weights;
 }
 
+// Mean of what textures leave of a light's emission, by looking at some points of it. If all of them are dark it will
+// not be chosen, and is found by rays that happen to hit it.
+static double mean_light_texture(const SceneView& view, const Light& light)
+{
+    if ((light.flags & light_textured) == 0u) return 1.0;
+    constexpr uint points = 64;
+    double sum = 0.0;
+    for (uint i = 0; i < points; ++i) {
+        const uvec2 s = scrambled_sobol(reverse_bits(i), 0u);
+        const vec2 u(unit_float(s.x), unit_float(s.y));
+        const vec3 target = light.position + light.cos_inner * sample_uniform_sphere(u); // of a sphere
+        sum += static_cast<double>(luminance(light_texture(view, light, u, target)));
+    }
+    return sum / points;
+}
+
 void pack_lights(const Scene& scene, PackedScene& packed)
 {
     for (const LightDesc& desc : scene.lights) packed.lights.push_back(make_light(desc));
@@ -124,8 +142,11 @@ void pack_lights(const Scene& scene, PackedScene& packed)
     });
 
     std::vector<double> powers(count);
-    for (std::size_t i = 0; i < count; ++i)
-        powers[i] = light_power(packed.lights[i], static_cast<double>(packed.radius));
+    const SceneView view = packed.view();
+    parallel_for(count, [&](std::size_t i) {
+        powers[i] = light_power(packed.lights[i], static_cast<double>(packed.radius)) *
+                    mean_light_texture(view, packed.lights[i]);
+    });
     build_alias_table(packed.lights, selection_weights(powers));
 }
 

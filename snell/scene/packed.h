@@ -27,7 +27,8 @@ struct PackedScene
     std::vector<vec3> positions;
     std::vector<vec3> normals;
     std::vector<vec2> uvs;
-    std::vector<vec3> colors;
+    std::vector<vec4> tangents;
+    std::vector<vec4> colors;
     std::vector<Triangle> triangles;
     std::vector<Surface> surfaces;
     std::vector<Sphere> spheres;
@@ -38,7 +39,12 @@ struct PackedScene
     std::vector<Texture> textures;
     std::vector<std::uint32_t> texels;
     std::vector<float> srgb;
-    vec3 environment{0.0f};
+    std::vector<TextureSlot> slots;
+    std::vector<Principled> principled;
+    std::vector<float> albedo;
+    std::vector<float> environment_cdf;
+    Environment environment = {};
+    bool has_coverage = false;
     vec3 center{0.0f};
     float radius = 1.0f;
 

@@ -149,7 +149,7 @@ struct InstanceDesc
     std::string name;
     Index<Group> group;
     Transform transform{{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}}; // object to world; must be invertible
-    Index<Node> node; // if valid, pose() keeps transform equal to that node's
+    Index<Node> node{}; // if valid, pose() keeps transform equal to that node's
 };
 
 struct LightDesc
@@ -161,7 +161,7 @@ struct LightDesc
     vec3 emission{1.0f};               // point, spot: W/sr; directional: W/m2 on a facing surface
     float inner_degrees = 30.0f;       // spot: half angle of the cone of full intensity
     float outer_degrees = 45.0f;       // spot: half angle beyond which nothing is lit
-    Index<Node> node;                  // if valid, pose() puts the light at its origin, shining along its -Z
+    Index<Node> node{};                  // if valid, pose() puts the light at its origin, shining along its -Z
 };
 
 // A pinhole camera. fov is the full angle of the picture's shorter side.
@@ -173,7 +173,7 @@ struct CameraDesc
     vec3 up{0.0f, 1.0f, 0.0f};
     float fov_degrees = 40.0f;
     bool mirrored = false; // the picture's left and right are exchanged
-    Index<Node> node;      // if valid, pose() puts the eye at its origin, looking along its -Z with +Y up
+    Index<Node> node{};      // if valid, pose() puts the eye at its origin, looking along its -Z with +Y up
 };
 
 // Light from infinitely far away, in all directions.

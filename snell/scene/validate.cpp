@@ -2,6 +2,7 @@
 #include "snell/core/error.h"
 #include "snell/core/parallel.h"
 #include "snell/scene/scene.h"
+#include "snell/scene/validate_material.h"
 #include "snell/scene/validate_mesh.h"
 
 #include <algorithm>
@@ -19,98 +20,6 @@ static bool is_usable(const Transform& m)
 static void warn(Scene& scene, std::string text)
 {
     note(scene, Note::Kind::warning, std::move(text));
-}
-
-// ---- pictures ----
-
-static void check_image(const Image& image, std::size_t number)
-{
-    const std::string who = fmt::format("image {}", label(image.name, number));
-    if (image.format > texels_rgba32f) throw Error(fmt::format("{}: unknown texel format {}", who, image.format));
-    if (image.wrap > wrap_clamp) throw Error(fmt::format("{}: unknown wrap mode {}", who, image.wrap));
-    const std::size_t wanted = std::size_t{4} * image.width * image.height;
-    const bool is_float = image.format == texels_rgba32f;
-    const std::size_t given = is_float ? image.floats.size() : image.bytes.size();
-    if (wanted == 0) throw Error(fmt::format("{} has no texels: it is {} x {}", who, image.width, image.height));
-    if (given != wanted)
-        throw Error(fmt::format("{}: {} x {} texels need {} values, but there are {}", who, image.width, image.height,
-                                wanted, given));
-}
-
-// A texture of reflectances stays in [0, 1]: more would create light.
-static void mend_texels(Scene& scene, Image& image, std::size_t number)
-{
-    std::size_t mended = 0;
-    for (float& value : image.floats) {
-        const float legal = std::isfinite(value) ? std::clamp(value, 0.0f, 1.0f) : 0.0f;
-        if (legal != value || std::isnan(value)) value = legal, ++mended;
-    }
-    if (mended > 0)
-        warn(scene, fmt::format("image {}: {} values outside [0, 1] moved inside", label(image.name, number), mended));
-}
-
-// ---- materials ----
-
-// Reflectances: not a number becomes the default, below 0 becomes 0, above 1 is scaled so that the hue stays.
-static bool mend_reflectance(vec3& color, float otherwise)
-{
-    const vec3 before = color;
-    if (!is_finite3(color)) {
-        color = vec3(otherwise);
-        return true;
-    }
-    color = max(color, vec3(0.0f));
-    if (max3(color) > 1.0f) color = min(color / max3(color), vec3(1.0f));
-    return color != before;
-}
-
-static bool mend_nonnegative(vec3& value)
-{
-    bool mended = false;
-    for (int i = 0; i < 3; ++i)
-        if (!std::isfinite(value[i]) || value[i] < 0.0f) value[i] = 0.0f, mended = true;
-    return mended;
-}
-
-static void mend_material(Scene& scene, MaterialDesc& m, std::size_t number)
-{
-    const std::string who = fmt::format("material {}", label(m.name, number));
-    if (m.kind > material_conductor) throw Error(fmt::format("{}: unknown kind {}", who, m.kind));
-    if (m.base_texture.valid() && m.base_texture.value >= scene.images.size())
-        throw Error(fmt::format("{} refers to image {} of {}", who, m.base_texture.value, scene.images.size()));
-
-    std::string mended;
-    const auto say = [&mended](const char* what) { mended += (mended.empty() ? "" : ", ") + std::string(what); };
-    if (mend_reflectance(m.base_color, MaterialDesc{}.base_color.x)) say("colour");
-    if (mend_nonnegative(m.emission)) say("emission");
-    if (!std::isfinite(m.alpha) || m.alpha < 0.0f || m.alpha > 1.0f) {
-        m.alpha = m.alpha > 1.0f && std::isfinite(m.alpha) ? 1.0f : 0.0f;
-        say("roughness");
-    }
-    if (!std::isfinite(m.ior) || m.ior <= 0.0f) m.ior = MaterialDesc{}.ior, say("index of refraction");
-    if (m.kind == material_conductor) {
-        // eta and k; without a usable pair the metal becomes one of reflectance 0.9.
-        if (!is_finite3(m.specular) || !is_finite3(m.absorption) ||
-            !(std::min({m.specular.x, m.specular.y, m.specular.z}) > 0.0f) ||
-            std::min({m.absorption.x, m.absorption.y, m.absorption.z}) < 0.0f) {
-            m.specular = vec3(1.0f);
-            m.absorption = vec3(6.0f);
-            say("eta and k");
-        }
-    } else {
-        if (mend_reflectance(m.specular, 0.0f)) say("specular reflectance");
-        if (mend_nonnegative(m.absorption)) say("absorption");
-    }
-    if (m.kind == material_mix) {
-        const float sum = max3(m.base_color + m.specular);
-        constexpr float rounding = 1e-5f;
-        if (sum > 1.0f + rounding) {
-            m.base_color /= sum;
-            m.specular /= sum;
-            say("sum of diffuse and specular reflectance");
-        }
-    }
-    if (!mended.empty()) warn(scene, fmt::format("{}: not physical, mended: {}", who, mended));
 }
 
 // The grey that primitives without a material share; added when first needed.
@@ -231,7 +140,11 @@ static void mend_light(Scene& scene, LightDesc& light, std::size_t number)
                     "give a mesh or sphere an emissive material for an area light");
     std::string mended;
     const auto say = [&mended](const char* what) { mended += (mended.empty() ? "" : ", ") + std::string(what); };
-    if (mend_nonnegative(light.emission)) say("emission");
+    for (int i = 0; i < 3; ++i)
+        if (!std::isfinite(light.emission[i]) || light.emission[i] < 0.0f) {
+            light.emission[i] = 0.0f;
+            if (mended.empty()) say("emission");
+        }
     if (light.kind != light_directional && !is_seen(light.position)) {
         // Anywhere else would be a guess: it stays, but dark.
         light.position = vec3(0.0f);
@@ -273,16 +186,11 @@ static void check_camera(Scene& scene, CameraDesc& camera, std::size_t number)
 
 void validate(Scene& scene)
 {
-    for (std::size_t i = 0; i < scene.images.size(); ++i) check_image(scene.images[i], i);
-    std::vector<bool> mended(scene.images.size(), false);
-    for (std::size_t i = 0; i < scene.materials.size(); ++i) {
-        mend_material(scene, scene.materials[i], i);
-        const uint image = scene.materials[i].base_texture.value;
-        if (image == none || mended[image]) continue;
-        mended[image] = true;
-        mend_texels(scene, scene.images[image], image);
-    }
+    validate_materials(scene);
 
+    std::vector<bool> changes_shape(scene.meshes.size(), false);
+    for (const Rig& rig : scene.rigs)
+        if (rig.mesh.value < scene.meshes.size()) changes_shape[rig.mesh.value] = true;
     DefaultMaterial fallback(scene);
     for (std::size_t i = 0; i < scene.meshes.size(); ++i) {
         Mesh& mesh = scene.meshes[i];
@@ -292,7 +200,8 @@ void validate(Scene& scene)
                                   : std::find(mesh.triangle_materials.begin(), mesh.triangle_materials.end(),
                                               Index<MaterialDesc>{}) != mesh.triangle_materials.end();
         if (uses_own) fallback.check(mesh.material, who);
-        for (std::string& text : validate_mesh(mesh, who(), scene.materials.size())) warn(scene, std::move(text));
+        for (std::string& text : validate_mesh(mesh, who(), scene.materials.size(), changes_shape[i]))
+            warn(scene, std::move(text));
     }
     mend_spheres(scene, fallback);
     check_planes(scene, fallback);
@@ -300,8 +209,7 @@ void validate(Scene& scene)
     check_instances(scene);
     for (std::size_t i = 0; i < scene.lights.size(); ++i) mend_light(scene, scene.lights[i], i);
     for (std::size_t i = 0; i < scene.cameras.size(); ++i) check_camera(scene, scene.cameras[i], i);
-    if (mend_nonnegative(scene.environment))
-        warn(scene, "the environment's radiance was negative or not finite; that part is now 0");
+    validate_environment(scene);
 }
 
 } // namespace snell

@@ -78,14 +78,17 @@ static Fault triangle_fault(const Mesh& mesh, uvec3 t)
 }
 
 // Drops the triangles that have no surface, in place and in order.
-static void drop_triangles(Mesh& mesh, std::size_t& bad_positions, std::size_t& no_area)
+static void drop_triangles(Mesh& mesh, bool keep_lines, std::size_t& bad_positions, std::size_t& no_area)
 {
     const std::size_t count = mesh.triangles.size();
-    const std::size_t first =
-        find_first(count, [&](std::size_t i) { return triangle_fault(mesh, mesh.triangles[i]) != Fault::no; });
+    const auto fault = [&](std::size_t i) {
+        const Fault found = triangle_fault(mesh, mesh.triangles[i]);
+        return keep_lines && found == Fault::area ? Fault::no : found;
+    };
+    const std::size_t first = find_first(count, [&](std::size_t i) { return fault(i) != Fault::no; });
     std::size_t kept = first;
     for (std::size_t i = first; i < count; ++i) {
-        switch (triangle_fault(mesh, mesh.triangles[i])) {
+        switch (fault(i)) {
         case Fault::no:
             mesh.triangles[kept] = mesh.triangles[i];
             if (!mesh.triangle_materials.empty()) mesh.triangle_materials[kept] = mesh.triangle_materials[i];
@@ -139,11 +142,14 @@ static std::size_t mend_normals(Mesh& mesh)
     return mended;
 }
 
-std::vector<std::string> validate_mesh(Mesh& mesh, const std::string& who, std::size_t material_count)
+std::vector<std::string> validate_mesh(Mesh& mesh, const std::string& who, std::size_t material_count,
+                                       bool changes_shape)
 {
     const std::size_t vertices = mesh.positions.size();
     check_length(who, "normals", mesh.normals.size(), vertices, "vertices");
     check_length(who, "texture coordinates", mesh.uvs.size(), vertices, "vertices");
+    check_length(who, "second texture coordinates", mesh.uvs_1.size(), vertices, "vertices");
+    check_length(who, "tangents", mesh.tangents.size(), vertices, "vertices");
     check_length(who, "colours", mesh.colors.size(), vertices, "vertices");
     check_length(who, "triangle materials", mesh.triangle_materials.size(), mesh.triangles.size(), "triangles");
 
@@ -173,25 +179,35 @@ std::vector<std::string> validate_mesh(Mesh& mesh, const std::string& who, std::
         if (count > 0) mended.push_back(fmt::format(fmt::runtime(count == 1 ? one : many), who, count));
     };
     std::size_t bad_positions = 0, no_area = 0;
-    drop_triangles(mesh, bad_positions, no_area);
+    drop_triangles(mesh, changes_shape, bad_positions, no_area);
     say(bad_positions, "{}: dropped {} triangle with a vertex that is NaN, infinite or beyond 1e18",
         "{}: dropped {} triangles with a vertex that is NaN, infinite or beyond 1e18");
     say(no_area, "{}: dropped {} triangle without area", "{}: dropped {} triangles without area");
     say(mend_normals(mesh), "{}: replaced {} zero or non-finite normal", "{}: replaced {} zero or non-finite normals");
-    say(mend_all(mesh.uvs,
-                 [](vec2& uv) {
-                     if (is_finite(uv.x) && is_finite(uv.y)) return false;
-                     uv = vec2(0.0f);
+    const auto mend_uv = [](vec2& uv) {
+        if (is_finite(uv.x) && is_finite(uv.y)) return false;
+        uv = vec2(0.0f);
+        return true;
+    };
+    say(mend_all(mesh.tangents,
+                 [](vec4& t) {
+                     if (is_direction(vec3(t)) && is_finite(t.w)) return false;
+                     t = vec4(1, 0, 0, 1);
                      return true;
                  }),
-        "{}: replaced {} non-finite texture coordinate", "{}: replaced {} non-finite texture coordinates");
+        "{}: replaced {} zero or non-finite tangent", "{}: replaced {} zero or non-finite tangents");
+    say(mend_all(mesh.uvs, mend_uv) + mend_all(mesh.uvs_1, mend_uv), "{}: replaced {} non-finite texture coordinate",
+        "{}: replaced {} non-finite texture coordinates");
     say(mend_all(mesh.colors,
-                 [](vec3& color) {
-                     const vec3 before = color;
-                     if (!is_finite3(color)) color = vec3(1.0f);
-                     color = max(color, vec3(0.0f));
-                     if (max3(color) > 1.0f) color = min(color / max3(color), vec3(1.0f));
-                     return !(color == before);
+                 [](vec4& color) {
+                     vec3 rgb(color);
+                     if (!is_finite3(rgb)) rgb = vec3(1.0f);
+                     rgb = max(rgb, vec3(0.0f));
+                     if (max3(rgb) > 1.0f) rgb = min(rgb / max3(rgb), vec3(1.0f));
+                     const vec4 legal(rgb, is_finite(color.w) ? clamp(color.w, 0.0f, 1.0f) : 1.0f);
+                     const bool differs = !(legal == color);
+                     color = legal;
+                     return differs;
                  }),
         "{}: mended {} vertex colour outside [0, 1]", "{}: mended {} vertex colours outside [0, 1]");
     return mended;

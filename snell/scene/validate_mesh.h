@@ -15,7 +15,9 @@ std::string label(const std::string& name, std::size_t number);
 bool is_seen(vec3 p);
 
 // Checks and mends one mesh. who: "mesh 'floor'". Returns what was mended, in words; throws Error on an index out of
-// range or an attribute of the wrong length. A none in triangle_materials falls back to the mesh's material.
-std::vector<std::string> validate_mesh(Mesh& mesh, const std::string& who, std::size_t material_count);
+// range or an attribute of the wrong length. A none in triangle_materials falls back to the mesh's material. A mesh
+// that changes its shape keeps triangles without area: they may have some in another pose.
+std::vector<std::string> validate_mesh(Mesh& mesh, const std::string& who, std::size_t material_count,
+                                       bool changes_shape);
 
 } // namespace snell

@@ -145,7 +145,7 @@ TEST(AreaLight, ManyLightsAdd)
 TEST(AreaLight, EnvironmentAndLight)
 {
     Scene scene = floor_scene(vec3(0.0f));
-    scene.environment = vec3(0.7f);
+    scene.environment.radiance = vec3(0.7f);
     const std::vector<vec3> quad = polygons()[0].corners;
     place(scene, polygon(quad, diffuse(scene, 0.0f, 3.0f)));
     const double form = polygon_irradiance(doubles(quad), {0, 0, 0}, {0, 1, 0});
@@ -156,7 +156,7 @@ TEST(AreaLight, EnvironmentAndLight)
 TEST(AreaLight, WhiteObjectsVanishInWhiteLight)
 {
     Scene scene;
-    scene.environment = vec3(1.0f);
+    scene.environment.radiance = vec3(1.0f);
     add_sphere(scene, vec3(0.0f), 1.0f, diffuse(scene, 1.0f));
     look(scene, vec3(0.0f, 0.0f, 5.0f), vec3(0.0f), 30.0f);
     const RenderSettings settings = probe_settings("path", {}, 32);
@@ -169,7 +169,7 @@ TEST(AreaLight, WhiteObjectsVanishInWhiteLight)
     add_sphere(more, vec3(0.5f, 0.9f, 0.4f), 0.5f, diffuse(more, 1.0f));
     add_plane(more, vec3(0.0f, -1.2f, 0.0f), vec3(0.0f, 1.0f, 0.0f), diffuse(more, 1.0f));
     place(more, polygon(polygons()[0].corners, diffuse(more, 1.0f, 100.0f))); // the furnace has no emitters
-    more.environment = vec3(0.2f);
+    more.environment.radiance = vec3(0.2f);
     for (const double v : pixel_means(render_film(more, probe_settings("furnace", {}, 32)))) EXPECT_NEAR(v, 1, 1e-5);
 }
 

@@ -146,7 +146,7 @@ TEST(Glass, LightInsideIsAbsorbedToo)
 TEST(Glass, RadianceInsideIsScaled)
 {
     Scene scene;
-    scene.environment = vec3(1.0f);
+    scene.environment.radiance = vec3(1.0f);
     add_sphere(scene, vec3(0.0f), 1.0f, glass(scene, 1.5f));
     look(scene, vec3(0.0f), vec3(0.3f, 0.5f, 1.0f), 1.0f);
     for (const Technique& t : techniques()) {
@@ -162,7 +162,7 @@ TEST(Glass, ClearBodiesVanishInWhiteLight)
     for (const float ior : {1.0f, 1.5f, 2.4f, 0.75f}) {
         SCOPED_TRACE(ior);
         Scene scene;
-        scene.environment = vec3(1.0f);
+        scene.environment.radiance = vec3(1.0f);
         add_sphere(scene, vec3(0.0f), 1.0f, glass(scene, ior));
         look(scene, vec3(0.0f, 0.0f, 5.0f), vec3(0.0f), 20.0f);
         for (const Technique& t : techniques()) {
@@ -184,7 +184,7 @@ TEST(Glass, RoughBallsLoseLittle)
         for (const float alpha : {0.05f, 0.3f}) {
             SCOPED_TRACE(testing::Message() << "ior " << ior << ", alpha " << alpha);
             Scene scene;
-            scene.environment = vec3(1.0f);
+            scene.environment.radiance = vec3(1.0f);
             add_sphere(scene, vec3(0.0f), 1.0f, glass(scene, ior, 0.0f, alpha));
             look(scene, vec3(0.0f, 0.0f, 5.0f), vec3(0.0f), 15.0f);
             const Measurement m = measure(scene, probe_settings("path"));

@@ -41,7 +41,7 @@ std::vector<Named> materials()
 Scene ball_scene(const MaterialDesc& material)
 {
     Scene scene;
-    scene.environment = vec3(0.2f);
+    scene.environment.radiance = vec3(0.2f);
     add_plane(scene, vec3(0.0f, -1.0f, 0.0f), vec3(0.0f, 1.0f, 0.0f), diffuse(scene, 0.4f));
     place(scene, polygon({{-2, 3, -1}, {2, 3, -1}, {2, 3, 2}, {-2, 3, 2}}, diffuse(scene, 0.0f, 2.0f)));
     add_sphere(scene, vec3(2.5f, 0.0f, 1.0f), 0.8f, diffuse(scene, 0.0f, 1.5f));
@@ -85,7 +85,7 @@ TEST(Materials, RoughReflectionReturnsWhatSmithSays)
         for (const double z : {1.0, 0.5}) {
             SCOPED_TRACE(testing::Message() << "alpha " << alpha << ", cosine " << z);
             Scene scene;
-            scene.environment = vec3(1.0f);
+            scene.environment.radiance = vec3(1.0f);
             MaterialDesc m;
             m.kind = material_mix;
             m.base_color = vec3(0.0f);

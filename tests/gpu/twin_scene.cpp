@@ -85,7 +85,7 @@ Light make_light(Draw& draw, uint number)
     light.position = draw.box(-2.0f, 2.0f);
     light.direction = draw.direction();
     light.emission = draw.box(0.1f, 10.0f);
-    light.two_sided = draw.below(2);
+    light.flags = draw.below(2);
     light.primitive = none;
     light.instance = none;
     if (light.kind == light_spot) {

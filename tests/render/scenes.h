@@ -15,7 +15,7 @@ namespace snell::test {
 inline Scene mixed_scene()
 {
     Scene scene;
-    scene.environment = vec3(0.1f, 0.15f, 0.2f);
+    scene.environment.radiance = vec3(0.1f, 0.15f, 0.2f);
     const auto material = [&](uint kind, vec3 color, float alpha) {
         MaterialDesc m;
         m.kind = kind;
@@ -47,7 +47,7 @@ inline Scene mixed_scene()
     image.width = image.height = 2;
     image.bytes = {255, 0, 0, 255, 0, 255, 0, 255, 0, 0, 255, 255, 255, 255, 255, 255};
     MaterialDesc picture = material(material_diffuse, vec3(1.0f), 0.0f);
-    picture.base_texture = add(scene, image);
+    picture.base_texture.image = add(scene, image);
     Mesh back;
     back.positions = {{-3, -1, -2}, {3, -1, -2}, {3, 2, -2}, {-3, 2, -2}};
     back.uvs = {{0, 0}, {2, 0}, {2, 2}, {0, 2}};

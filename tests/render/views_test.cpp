@@ -9,13 +9,13 @@ namespace {
 Scene triangle_scene(bool mirrored_instance)
 {
     Scene scene;
-    scene.environment = vec3(1.0f);
+    scene.environment.radiance = vec3(1.0f);
     MaterialDesc m;
     m.base_color = vec3(0.5f, 1.0f, 1.0f);
     Mesh mesh;
     mesh.positions = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
     mesh.uvs = {{0.1f, 0.2f}, {0.9f, 0.3f}, {0.2f, 0.8f}};
-    mesh.colors = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+    mesh.colors = {{1, 0, 0, 1}, {0, 1, 0, 1}, {0, 0, 1, 1}};
     mesh.normals = {normalize(vec3(-0.2f, -0.2f, 1)), normalize(vec3(0.5f, 0, 1)), normalize(vec3(0, 0.5f, 1))};
     mesh.triangles = {{0, 1, 2}};
     if (mirrored_instance) // the same triangle, built the other way round in x and put back by the instance

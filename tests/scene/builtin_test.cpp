@@ -191,7 +191,7 @@ TEST(ReferenceScenes, AreWhatTheFilesSay)
     EXPECT_EQ(packed.lights.size(), 2u);
     for (const Light& light : packed.lights) {
         EXPECT_LT(cross(light.direction, light.edge).y, 0.0f); // shines down
-        EXPECT_EQ(light.two_sided, 0u);
+        EXPECT_EQ(light.flags, 0u);
     }
     EXPECT_EQ(pack(test::make_cornell_diffuse_reference()).triangles.size(), 5u * 2u + 2u + 24u);
     const PackedScene checker = pack(test::make_glass_checker_reference());

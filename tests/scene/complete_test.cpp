@@ -103,17 +103,17 @@ TEST(Complete, AddsLightOnlyWhereThereIsNone)
     EXPECT_LT(dark.lights[0].direction.y, 0.0f); // from above,
     EXPECT_GT(dark.lights[0].direction.x, 0.0f); // the left
     EXPECT_LT(dark.lights[0].direction.z, 0.0f); // and the camera's side
-    EXPECT_GT(dark.environment.x, 0.0f);
+    EXPECT_GT(dark.environment.radiance.x, 0.0f);
     EXPECT_EQ(dark.notes.size(), 2u);
 
     Scene lit = box_scene(vec3(-1), vec3(1));
     add(lit, LightDesc{});
     complete(lit, 1.0f);
     EXPECT_EQ(lit.lights.size(), 1u);
-    EXPECT_EQ(lit.environment, vec3(0.0f));
+    EXPECT_EQ(lit.environment.radiance, vec3(0.0f));
 
     Scene sky = box_scene(vec3(-1), vec3(1));
-    sky.environment = vec3(0.1f);
+    sky.environment.radiance = vec3(0.1f);
     complete(sky, 1.0f);
     EXPECT_TRUE(sky.lights.empty());
 

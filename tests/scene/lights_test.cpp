@@ -171,7 +171,7 @@ TEST(Lights, PowersFollowTheTextbook)
     material.emission = vec3(2.0f);
     Light quad = make_triangle_light({0, 0, 0}, {2, 0, 0}, {0, 3, 0}, material, 0, none);
     EXPECT_NEAR(light_power(quad, 9.0), pi_d * 3.0 * 2.0, 1e-5);
-    quad.two_sided = 1u;
+    quad.flags = light_two_sided;
     EXPECT_NEAR(light_power(quad, 9.0), 2.0 * pi_d * 3.0 * 2.0, 1e-5);
     const Light ball = make_sphere_light(vec3(0.0f), 0.5f, material, 0, none);
     EXPECT_NEAR(light_power(ball, 9.0), pi_d * (pi_d * 4.0 * 0.25) * 2.0, 1e-5);

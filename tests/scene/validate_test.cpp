@@ -73,7 +73,7 @@ TEST(Validate, RefusesAttributesOfTheWrongLength)
         Mesh& mesh = scene.meshes[0];
         if (which == 0) mesh.normals.resize(3, vec3(0, 1, 0));
         if (which == 1) mesh.uvs.resize(5);
-        if (which == 2) mesh.colors.resize(1, vec3(1.0f));
+        if (which == 2) mesh.colors.resize(1, vec4(1.0f));
         if (which == 3) mesh.triangle_materials.resize(3, mesh.material);
         EXPECT_SAYS(error_of(scene), "mesh 'floor' has ") << which;
     }
@@ -97,7 +97,7 @@ TEST(Validate, RefusesReferencesOutOfRange)
     scene.instances[0].group.value = 2;
     EXPECT_SAYS(error_of(scene), "instance 'floor' refers to group 2 of 1");
     scene = floor_scene();
-    scene.materials[0].base_texture.value = 1;
+    scene.materials[0].base_texture.image.value = 1;
     EXPECT_SAYS(error_of(scene), "material 0 refers to image 1 of 0");
     scene = floor_scene();
     scene.materials[0].kind = 17;
@@ -157,12 +157,12 @@ TEST(Validate, MendsCoordinatesAndColours)
 {
     Scene scene = floor_scene();
     scene.meshes[0].uvs[2] = {nan, 0.5f};
-    scene.meshes[0].colors = {{1, 1, 1}, {2, 1, 0}, {-1, 0.5f, 0}, {nan, 0, 0}};
+    scene.meshes[0].colors = {{1, 1, 1, 1}, {2, 1, 0, 0.5f}, {-1, 0.5f, 0, 2}, {nan, 0, 0, nan}};
     validate(scene);
     EXPECT_EQ(scene.meshes[0].uvs[2], vec2(0.0f));
-    EXPECT_EQ(scene.meshes[0].colors[1], vec3(1.0f, 0.5f, 0.0f));
-    EXPECT_EQ(scene.meshes[0].colors[2], vec3(0.0f, 0.5f, 0.0f));
-    EXPECT_EQ(scene.meshes[0].colors[3], vec3(1.0f));
+    EXPECT_EQ(scene.meshes[0].colors[1], vec4(1.0f, 0.5f, 0.0f, 0.5f));
+    EXPECT_EQ(scene.meshes[0].colors[2], vec4(0.0f, 0.5f, 0.0f, 1.0f));
+    EXPECT_EQ(scene.meshes[0].colors[3], vec4(1.0f));
     EXPECT_SAYS(notes_of(scene), "replaced 1 non-finite texture coordinate");
     EXPECT_SAYS(notes_of(scene), "mended 3 vertex colours");
 }
@@ -245,13 +245,13 @@ TEST(Validate, MendsLights)
     light = {};
     light.position = {nan, 0, 0};
     add(scene, light);
-    scene.environment = {1, nan, 1};
+    scene.environment.radiance = {1, nan, 1};
     validate(scene);
     EXPECT_EQ(scene.lights[0].direction, vec3(0, -1, 0));
     EXPECT_EQ(scene.lights[0].emission, vec3(0, 1, 1));
     EXPECT_LE(scene.lights[0].inner_degrees, scene.lights[0].outer_degrees);
     EXPECT_EQ(scene.lights[1].emission, vec3(0.0f));
-    EXPECT_EQ(scene.environment, vec3(1, 0, 1));
+    EXPECT_EQ(scene.environment.radiance, vec3(1, 0, 1));
     EXPECT_SAYS(notes_of(scene), "light 'lamp'");
     EXPECT_SAYS(notes_of(scene), "environment");
 
@@ -299,7 +299,7 @@ TEST(Validate, ChecksImages)
     image.floats[4] = 3.0f;
     scene.images = {image};
     MaterialDesc material;
-    material.base_texture = {0};
+    material.base_texture.image = {0};
     scene.materials = {material};
     validate(scene);
     EXPECT_EQ(scene.images[0].floats[3], 0.0f);

@@ -52,7 +52,7 @@ Meeting meet(const Light& light, vec3 from, vec3 direction)
     if (light.kind == light_triangle) {
         const glm::dvec3 a(light.position), e1(light.direction), e2(light.edge), n = glm::cross(e1, e2);
         const double along = glm::dot(d, n);
-        if (along == 0 || (along > 0 && light.two_sided == 0u)) return m;
+        if (along == 0 || (along > 0 && (light.flags & light_two_sided) == 0u)) return m;
         const double t = glm::dot(a - o, n) / along;
         const glm::dvec3 p = o + t * d;
         const double u = glm::dot(glm::cross(p - a, e2), n) / glm::dot(n, n);
@@ -68,7 +68,7 @@ Meeting meet(const Light& light, vec3 from, vec3 direction)
     if (discriminant <= 0) return m;
     const bool inside = glm::length(c - o) < r;
     const double t = b + (inside ? 1 : -1) * std::sqrt(discriminant);
-    if (t <= 0 || (inside && light.two_sided == 0u)) return m;
+    if (t <= 0 || (inside && (light.flags & light_two_sided) == 0u)) return m;
     const glm::dvec3 p = o + t * d;
     m.hit = true, m.point = vec3(p), m.normal = vec3(glm::normalize(p - c));
     return m;

@@ -32,7 +32,7 @@ Scene make_many_lights(int count)
                     fmt::format("give a number from 1 to {}", many_lights_most));
     Scene scene;
     scene.name = "many-lights";
-    scene.environment = vec3(0.012f, 0.016f, 0.030f);
+    scene.environment.radiance = vec3(0.012f, 0.016f, 0.030f);
     const auto stone = add(scene, mix_of("stone", vec3(0.55f), vec3(0.12f), 0.3f));
     const auto floor = add(scene, mix_of("wet floor", vec3(0.25f), vec3(0.35f), 0.12f));
     add(scene, PlaneDesc{"floor", vec3(0.0f), {0, 1, 0}, floor});

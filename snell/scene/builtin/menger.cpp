@@ -83,7 +83,7 @@ Scene make_menger(int depth)
                     fmt::format("give a depth from 0 to {}", menger_deepest));
     Scene scene;
     scene.name = "menger";
-    scene.environment = vec3(0.16f, 0.22f, 0.34f);
+    scene.environment.radiance = vec3(0.16f, 0.22f, 0.34f);
     const auto stone = add(scene, diffuse("stone", {0.75f, 0.68f, 0.58f}));
     const auto floor = add(scene, diffuse("floor", {0.36f, 0.34f, 0.33f}));
     const auto lamp = add(scene, emitter("lamp", {26.0f, 12.0f, 3.6f}));

@@ -57,7 +57,7 @@ Scene make_sphereflake(int depth)
                     fmt::format("give a depth from 0 to {}", sphereflake_deepest));
     Scene scene;
     scene.name = "sphereflake";
-    scene.environment = vec3(0.36f, 0.48f, 0.72f);
+    scene.environment.radiance = vec3(0.36f, 0.48f, 0.72f);
     const auto floor = add(scene, mix_of("polished floor", {0.22f, 0.20f, 0.18f}, vec3(0.16f), 0.0f));
     add(scene, PlaneDesc{"floor", {0, -1.0f, 0}, {0, 1, 0}, floor});
     Grower grower{scene,

@@ -11,14 +11,14 @@ Scene make_spheres()
 {
     Scene scene;
     scene.name = "spheres";
-    scene.environment = vec3(0.34f, 0.40f, 0.50f);
+    scene.environment.radiance = vec3(0.34f, 0.40f, 0.50f);
 
     MaterialDesc floor = diffuse("floor", vec3(1.0f));
-    floor.base_texture = add(scene, make_checker_image("floor", {0.78f, 0.76f, 0.72f}, {0.42f, 0.42f, 0.44f}));
+    floor.base_texture.image = add(scene, make_checker_image("floor", {0.78f, 0.76f, 0.72f}, {0.42f, 0.42f, 0.44f}));
     add(scene, PlaneDesc{"floor", vec3(0.0f), vec3(0, 1, 0), add(scene, floor)});
 
     MaterialDesc checkered = mix_of("checkered", vec3(0.94f), vec3(0.05f), 0.1f);
-    checkered.base_texture = add(scene, make_checker_image("ball", {0.95f, 0.75f, 0.3f}, {0.15f, 0.35f, 0.6f}));
+    checkered.base_texture.image = add(scene, make_checker_image("ball", {0.95f, 0.75f, 0.3f}, {0.15f, 0.35f, 0.6f}));
 
     const auto ball = [&](int column, int row, const MaterialDesc& material) {
         const vec3 center(1.25f * (static_cast<float>(column) - 1.5f), 0.5f, -1.55f * static_cast<float>(row));

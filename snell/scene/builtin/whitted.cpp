@@ -9,7 +9,7 @@ Scene make_whitted()
 {
     Scene scene;
     scene.name = "whitted";
-    scene.environment = vec3(0.25f, 0.45f, 0.85f);
+    scene.environment.radiance = vec3(0.25f, 0.45f, 0.85f);
     const auto red = add(scene, diffuse("red", {0.72f, 0.035f, 0.02f}));
     const auto yellow = add(scene, diffuse("yellow", {0.85f, 0.68f, 0.05f}));
     const auto shell = add(scene, glass("glass", 1.5f));

@@ -65,7 +65,7 @@ TWIN(layout_light, 0.0f, 0.0f, 0.0f)
     give(l.edge);
     give(l.cos_outer);
     give(l.emission);
-    give(l.two_sided);
+    give(l.flags);
     give(l.primitive);
     give(l.instance);
     give(l.select_pdf);

@@ -1,0 +1,35 @@
+#include "snell/render/visibility.h"
+
+#include "snell/kernel/coverage.h"
+
+namespace snell {
+
+void pass_holes(const SceneView& scene, const Accel& accel, std::span<const Ray> rays, std::span<Hit> hits,
+                std::vector<uint> which, std::vector<uint> seeds)
+{
+    std::vector<Ray> onward;
+    std::vector<Hit> found;
+    for (;;) {
+        std::size_t kept = 0;
+        onward.clear();
+        for (std::size_t k = 0; k < which.size(); ++k) {
+            const uint i = which[k];
+            if (!is_hit(hits[i]) || !passes_through(scene, rays[i], hits[i], seeds[k])) continue;
+            Ray ray =
+                rays[i]; // the same ray, so that t still counts from its origin; each hit is further than the last
+            ray.t_min = hits[i].t;
+            onward.push_back(ray);
+            which[kept] = i;
+            seeds[kept] = seeds[k];
+            ++kept;
+        }
+        if (kept == 0) return;
+        which.resize(kept);
+        seeds.resize(kept);
+        found.resize(kept);
+        accel.intersect(onward, found);
+        for (std::size_t k = 0; k < kept; ++k) hits[which[k]] = found[k];
+    }
+}
+
+} // namespace snell
