@@ -6,6 +6,7 @@
 #include "snell/kernel/scene_view.h"
 #include "snell/scene/index.h"
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -14,7 +15,8 @@ namespace snell {
 struct Mesh;
 struct Scene;
 
-// A frame of reference that others hang on. Its map to the parent: scale first, then rotation, then translation.
+// A frame of reference that others hang on. Its map to the parent: scale first, then rotation, then translation. These
+// are the node at rest, and pose() leaves them alone.
 struct Node
 {
     std::string name;
@@ -26,6 +28,8 @@ struct Node
     bool has_matrix = false;
     Transform matrix{{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}};
     std::vector<float> weights; // of the morph targets of the meshes that hang on this node
+    // The map to the parent that the last pose() gave it, where that is not the one at rest.
+    std::optional<Transform> posed;
 };
 
 struct Skin
@@ -87,10 +91,12 @@ struct Animation
 
 // Puts nodes, instances, lights, cameras and rigged meshes where `animation` has them at `seconds` (before the first
 // and after the last key: where those have them). Not valid: as the nodes are at rest. What the animation does not
-// move is where the file has it, however the scene was posed before.
+// move is where the file has it, however the scene was posed before. Weights of the morph targets blend positions,
+// normals and tangents; joints blend linearly. What a moment flattens to nothing (a scale of 0) is placed a million
+// times smaller instead: instances must be invertible. Throws Error as check_animation() does.
 void pose(Scene& scene, Index<Animation> animation, float seconds);
 
-// The map of a node to the world in the current pose.
+// The map of a node to the world in the current pose. Throws Error if a node is its own ancestor.
 Transform node_to_world(const Scene& scene, Index<Node> node);
 
 } // namespace snell
