@@ -146,8 +146,7 @@ InputFile::InputFile(const fs::path& file) : name_(file.string())
         throw Error({name_}, fmt::format("cannot be opened: {}", reason(errno)), "check the path and its permissions");
     }
     struct stat info = {};
-    if (::fstat(in.number(), &info) != 0)
-        throw Error({name_}, fmt::format("cannot be examined: {}", reason(errno)));
+    if (::fstat(in.number(), &info) != 0) throw Error({name_}, fmt::format("cannot be examined: {}", reason(errno)));
     if (S_ISDIR(info.st_mode)) throw Error({name_}, "is a folder", "name a file in it");
     if (!S_ISREG(info.st_mode)) throw Error({name_}, "is a device, pipe or socket", "name a regular file");
     size_ = static_cast<std::uint64_t>(info.st_size);

@@ -26,8 +26,8 @@ struct Gunzip::State
     Source source;
     std::uint64_t limit = 0, done = 0;
     z_stream stream = {};
-    bool is_open = false;    // inflateInit2 was called
-    bool in_member = false;  // between a member's first and last byte
+    bool is_open = false;   // inflateInit2 was called
+    bool in_member = false; // between a member's first and last byte
     bool source_ends = false;
     char packed[1 << 16];
 

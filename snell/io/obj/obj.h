@@ -1,7 +1,7 @@
 // Wavefront OBJ with its material libraries.
 #pragma once
 
-#include "snell/scene/scene.h"
+#include "snell/io/load.h"
 
 #include <filesystem>
 
