@@ -9,6 +9,7 @@
 #include "snell/kernel/bsdf_sample.h"
 #include "snell/kernel/fresnel.h"
 #include "snell/kernel/microfacet.h"
+#include "snell/kernel/principled.h"
 #include "snell/kernel/scene_view.h"
 SNELL_BEGIN
 
@@ -21,6 +22,7 @@ struct MaterialPoint
     float alpha;   // GGX roughness, 0: smooth; always 0 for a dielectric with an ior of 1 (within 1e-3)
     vec3 k;        // conductor: k; dielectric: absorption
     float ior;
+    PrincipledPoint principled; // for material_principled, resolved for wo; else not set
 };
 
 // --- Lambert: reflects on the side that wo is on -------------------------------------------------------------------
@@ -76,7 +78,7 @@ SNELL_FN vec3 sample_ggx_reflection(float alpha, vec3 wo, vec2 u)
 // base_color tints what passes through. Smooth: two delta parts, chosen by Fresnel's reflectance. Rough: Walter et al.
 // 2007. Radiance is scaled by 1 / eta^2 on refraction (Veach 1997, 5.2).
 
-SNELL_FN BsdfSample sample_smooth_dielectric(MaterialPoint m, vec3 wo, float u)
+SNELL_FN BsdfSample sample_smooth_dielectric(SNELL_IN(MaterialPoint) m, vec3 wo, float u)
 {
     BsdfSample s = no_bsdf_sample();
     DielectricSplit split = split_dielectric(wo.z, m.ior);
@@ -94,7 +96,7 @@ SNELL_FN BsdfSample sample_smooth_dielectric(MaterialPoint m, vec3 wo, float u)
     return s;
 }
 
-SNELL_FN vec3 eval_rough_dielectric(MaterialPoint m, vec3 wo, vec3 wi)
+SNELL_FN vec3 eval_rough_dielectric(SNELL_IN(MaterialPoint) m, vec3 wo, vec3 wi)
 {
     float eta = wo.z > 0.0f ? m.ior : 1.0f / m.ior;
     vec3 h = dielectric_half_vector(wo, wi, eta);
@@ -108,7 +110,7 @@ SNELL_FN vec3 eval_rough_dielectric(MaterialPoint m, vec3 wo, vec3 wi)
     return m.base_color * ((1.0f - reflectance) * dg * abs(i * o / (wo.z * denominator)) / (eta * eta));
 }
 
-SNELL_FN float pdf_rough_dielectric(MaterialPoint m, vec3 wo, vec3 wi)
+SNELL_FN float pdf_rough_dielectric(SNELL_IN(MaterialPoint) m, vec3 wo, vec3 wi)
 {
     float eta = wo.z > 0.0f ? m.ior : 1.0f / m.ior;
     vec3 h = dielectric_half_vector(wo, wi, eta);
@@ -122,7 +124,7 @@ SNELL_FN float pdf_rough_dielectric(MaterialPoint m, vec3 wo, vec3 wi)
     return (1.0f - reflectance) * visible * abs(i) / sqr(i + o / eta);
 }
 
-SNELL_FN BsdfSample sample_rough_dielectric(MaterialPoint m, vec3 wo, vec2 u, float u_lobe)
+SNELL_FN BsdfSample sample_rough_dielectric(SNELL_IN(MaterialPoint) m, vec3 wo, vec2 u, float u_lobe)
 {
     BsdfSample s = no_bsdf_sample();
     if (wo.z == 0.0f) return s;
@@ -146,7 +148,7 @@ SNELL_FN BsdfSample sample_rough_dielectric(MaterialPoint m, vec3 wo, vec2 u, fl
 // --- All materials -------------------------------------------------------------------------------------------------
 
 // Probability of drawing the specular part of a mix.
-SNELL_FN float mix_specular_probability(MaterialPoint m)
+SNELL_FN float mix_specular_probability(SNELL_IN(MaterialPoint) m)
 {
     float s = luminance(m.specular);
     float d = luminance(m.base_color);
@@ -154,13 +156,14 @@ SNELL_FN float mix_specular_probability(MaterialPoint m)
 }
 
 // True if eval_bsdf can be other than 0: there is a part that light sampling can serve.
-SNELL_FN bool has_smooth_part(MaterialPoint m)
+SNELL_FN bool has_smooth_part(SNELL_IN(MaterialPoint) m)
 {
+    if (m.kind == material_principled) return principled_has_smooth_part(m.principled);
     return m.kind == material_diffuse || m.kind == material_mix ||
            ((m.kind == material_dielectric || m.kind == material_conductor) && m.alpha > 0.0f);
 }
 
-SNELL_FN vec3 eval_bsdf(MaterialPoint m, vec3 wo, vec3 wi)
+SNELL_FN vec3 eval_bsdf(SNELL_IN(MaterialPoint) m, vec3 wo, vec3 wi)
 {
     if (m.kind == material_diffuse) return eval_lambert(m.base_color, wo, wi);
     if (m.kind == material_mix) {
@@ -168,6 +171,7 @@ SNELL_FN vec3 eval_bsdf(MaterialPoint m, vec3 wo, vec3 wi)
         if (m.alpha > 0.0f) f += m.specular * eval_ggx_reflection(m.alpha, wo, wi);
         return f;
     }
+    if (m.kind == material_principled) return eval_principled(m.principled, wo, wi);
     if (m.alpha > 0.0f && m.kind == material_dielectric) return eval_rough_dielectric(m, wo, wi);
     if (m.alpha > 0.0f && m.kind == material_conductor && wo.z * wi.z > 0.0f) {
         float cos_h = dot(wo, normalize(wo + wi));
@@ -176,7 +180,7 @@ SNELL_FN vec3 eval_bsdf(MaterialPoint m, vec3 wo, vec3 wi)
     return vec3(0.0f);
 }
 
-SNELL_FN float pdf_bsdf(MaterialPoint m, vec3 wo, vec3 wi)
+SNELL_FN float pdf_bsdf(SNELL_IN(MaterialPoint) m, vec3 wo, vec3 wi)
 {
     if (m.kind == material_diffuse) return pdf_lambert(wo, wi);
     if (m.kind == material_mix) {
@@ -185,17 +189,19 @@ SNELL_FN float pdf_bsdf(MaterialPoint m, vec3 wo, vec3 wi)
         if (m.alpha > 0.0f) pdf += p * pdf_ggx_reflection(m.alpha, wo, wi);
         return pdf;
     }
+    if (m.kind == material_principled) return pdf_principled(m.principled, wo, wi);
     if (m.alpha > 0.0f && m.kind == material_dielectric) return pdf_rough_dielectric(m, wo, wi);
     if (m.alpha > 0.0f && m.kind == material_conductor) return pdf_ggx_reflection(m.alpha, wo, wi);
     return 0.0f;
 }
 
 // u: for the direction; u_lobe: for the choice between parts.
-SNELL_FN BsdfSample sample_bsdf(MaterialPoint m, vec3 wo, vec2 u, float u_lobe)
+SNELL_FN BsdfSample sample_bsdf(SNELL_IN(MaterialPoint) m, vec3 wo, vec2 u, float u_lobe)
 {
     BsdfSample s = no_bsdf_sample();
     if (wo.z == 0.0f || m.kind == material_unlit) return s;
     if (m.kind == material_diffuse) return sample_lambert(m.base_color, wo, u);
+    if (m.kind == material_principled) return sample_principled(m.principled, wo, u, u_lobe);
     if (m.kind == material_dielectric) {
         if (m.alpha > 0.0f) return sample_rough_dielectric(m, wo, u, u_lobe);
         return sample_smooth_dielectric(m, wo, u_lobe);

@@ -121,6 +121,10 @@ SNELL_FN PathStep shade_path(SNELL_IN(SceneView) scene, SNELL_IN(RenderParams) p
         step.emitted = state.throughput * v.emission * weight;
     }
     if (state.depth >= params.max_depth) return step;
+    if (v.material.kind == material_principled) {
+        float dispersion = scene.principled.at[scene.materials.at[v.surface.material].principled].dispersion;
+        if (dispersion > 0.0f) disperse(scene, dispersion, state, v);
+    }
 
     SampleKey key = state_key(params, state);
     if ((params.flags & render_nee) != 0u && has_smooth_part(v.material)) {

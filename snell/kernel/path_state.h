@@ -4,6 +4,7 @@
 #include "snell/kernel/camera.h"
 #include "snell/kernel/coverage.h"
 #include "snell/kernel/light.h"
+#include "snell/kernel/principled_material.h"
 #include "snell/kernel/random.h"
 #include "snell/kernel/tangent.h"
 SNELL_BEGIN
@@ -47,8 +48,9 @@ struct PathState
     uint medium;     // material of the dielectric that the ray is in, or none
     uint key_pixel;  // SampleKey::pixel
     uint key_reversed_index; // SampleKey::reversed_index
+    uint channel;            // the colour that dispersion has left of the path: red 0, green 1, blue 2; none: all
 };
-SNELL_LAYOUT(PathState, 40)
+SNELL_LAYOUT(PathState, 44)
 
 // A shadow ray, and what to add to the sample if nothing blocks it.
 struct Connection
@@ -112,6 +114,7 @@ SNELL_FN CameraPath generate_camera_path(SNELL_IN(RenderParams) params, uint x, 
     path.state.medium = none;
     path.state.key_pixel = key.pixel;
     path.state.key_reversed_index = key.reversed_index;
+    path.state.channel = none;
     return path;
 }
 
@@ -150,12 +153,31 @@ SNELL_FN Vertex make_vertex(SNELL_IN(SceneView) scene, Ray ray, Hit hit)
     else
         v.frame = make_frame(v.surface.shading_normal);
     v.wo = to_local(v.frame, back);
+    if (material.kind == material_principled) {
+        v.material.principled = principled_point(scene, material, v.surface, hit, v.material.base_color, v.frame, back);
+        if (v.wo.z != 0.0f) v.material.principled = resolve_principled(scene.albedo, v.material.principled, v.wo);
+    }
     bool lit_side =
         dot(v.surface.geometric_normal, back) > 0.0f || (material.flags & material_two_sided_emission) != 0u;
     v.emission = lit_side ? material.emission : vec3(0.0f);
     if (material.emission_slot != none) v.emission = v.emission * emission_texture(scene, material, v.surface);
     if (material.kind == material_unlit) v.emission = v.material.base_color;
     return v;
+}
+
+// A surface with dispersion: leaves one colour of the path, with its index of refraction.
+SNELL_FN_COLD void disperse(SNELL_IN(SceneView) scene, float dispersion, SNELL_INOUT(PathState) state,
+                            SNELL_INOUT(Vertex) v)
+{
+    if (state.channel == none) {
+        state.channel = choose_color_channel(state.key_pixel, state.key_reversed_index);
+        vec3 keep = vec3(state.channel == 0u ? 3.0f : 0.0f, state.channel == 1u ? 3.0f : 0.0f,
+                         state.channel == 2u ? 3.0f : 0.0f);
+        state.throughput = state.throughput * keep;
+    }
+    vec3 iors = dispersed_ior(v.material.ior, dispersion);
+    v.material.principled.ior = state.channel == 0u ? iors.x : state.channel == 1u ? iors.y : iors.z;
+    if (v.wo.z != 0.0f) v.material.principled = resolve_principled(scene.albedo, v.material.principled, v.wo);
 }
 
 // BSDF * |cos| towards a world direction. Light must not leak through where shading and geometric normal disagree

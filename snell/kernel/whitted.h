@@ -17,6 +17,24 @@ SNELL_FN bool is_worth_following(PathState state)
     return max3(state.throughput) * state.eta_scale > whitted_cutoff;
 }
 
+// The lobes that are followed of a principled surface.
+SNELL_FN_COLD PrincipledPoint without_diffuse(SNELL_IN(PrincipledPoint) point)
+{
+    PrincipledPoint p = point;
+    p.diffuse = vec3(0.0f);
+    p.diffuse_through = vec3(0.0f);
+    p.sheen = vec3(0.0f);
+    p.p_diffuse = 0.0f;
+    p.p_through = 0.0f;
+    p.p_sheen = 0.0f;
+    float rest = p.p_coat + p.p_facets + p.p_straight;
+    float scale = rest > 0.0f ? 1.0f / rest : 0.0f;
+    p.p_coat = p.p_coat * scale;
+    p.p_facets = p.p_facets * scale;
+    p.p_straight = p.p_straight * scale;
+    return p;
+}
+
 struct WhittedStep
 {
     vec3 emitted;
@@ -81,6 +99,7 @@ SNELL_FN WhittedStep shade_whitted(SNELL_IN(SceneView) scene, SNELL_IN(RenderPar
         if (is_black(v.material.specular)) return step;
         v.material.base_color = vec3(0.0f);
     }
+    if (v.material.kind == material_principled) v.material.principled = without_diffuse(v.material.principled);
     BsdfSample s = sample_bsdf(v.material, v.wo, u, u_lobe);
     if (s.pdf == 0.0f) return step;
     step.next_0 = scatter(scene, step.state, v, s);

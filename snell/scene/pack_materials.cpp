@@ -1,5 +1,6 @@
 #include "snell/core/error.h"
 #include "snell/kernel/tone.h"
+#include "snell/scene/albedo_tables.h"
 #include "snell/scene/pack_parts.h"
 
 #include <cmath>
@@ -82,6 +83,24 @@ static Principled pack_principled(const PrincipledDesc& desc, Slots& slot)
     return p;
 }
 
+// Rough solid glass needs a table for its ior.
+static void pack_albedo(PackedScene& packed)
+{
+    if (packed.principled.empty()) return;
+    std::vector<float> iors;
+    std::vector<Principled*> glasses;
+    for (const Material& m : packed.materials) {
+        if (m.principled == none) continue;
+        Principled& p = packed.principled[m.principled];
+        if (!(p.transmission > 0.0f) || p.thin_walled != 0u || !(p.roughness > 0.0f)) continue;
+        iors.push_back(m.ior);
+        glasses.push_back(&p);
+    }
+    AlbedoTables tables = albedo_tables(iors);
+    for (std::size_t i = 0; i < glasses.size(); ++i) glasses[i]->glass_table = tables.glass_table[i];
+    packed.albedo = std::move(tables.values);
+}
+
 void pack_materials(const Scene& scene, PackedScene& packed)
 {
     Slots slot(packed.slots);
@@ -116,6 +135,7 @@ void pack_materials(const Scene& scene, PackedScene& packed)
         if (m.coverage != coverage_opaque) packed.has_coverage = true;
         packed.materials.push_back(m);
     }
+    pack_albedo(packed);
 }
 
 bool is_textured(const Material& material)

@@ -1,0 +1,97 @@
+// Directional albedos: how much of the light that comes from everywhere a scattering model sends to wo. They are
+// integrals that have no formula; snell/scene/albedo_tables.cpp tabulates them, here they are looked up.
+//
+// A table of albedo_columns * albedo_rows numbers has cos(wo) along its rows, at the squares of equally spaced numbers
+// from 0 to 1. Its rows are at alphas: squares likewise; those of the sheen run from 1 to sheen_alpha_min in equal
+// ratios.
+#ifndef SNELL_KERNEL_ALBEDO_H
+#define SNELL_KERNEL_ALBEDO_H
+#include "snell/kernel/scene_view.h"
+#include "snell/kernel/sheen.h"
+SNELL_BEGIN
+
+SNELL_CONST uint albedo_columns = 20u;
+SNELL_CONST uint albedo_rows = 32u;
+SNELL_CONST uint albedo_table_length = 640u; // their product
+
+// Where the tables lie in SceneView::albedo.
+SNELL_CONST uint albedo_ggx = 0u;        // GGX reflection where each facet is a perfect mirror
+SNELL_CONST uint albedo_ggx_edge = 640u; // (that with Schlick's weight as reflectance, over the one above)^(1/5)
+SNELL_CONST uint albedo_sheen = 1280u;   // logarithm of eval_sheen's
+SNELL_CONST uint albedo_length = 1920u;  // of the tables that every scene has
+
+// Rough glass of one ior has three tables more; where they begin: Principled::glass_table. F is Fresnel's reflectance
+// stretched so that it is 0 at normal incidence.
+SNELL_CONST uint glass_thin_side = 0u;        // reflected by F plus refracted by 1 - F, wo on the thinner side
+SNELL_CONST uint glass_thin_side_edge = 640u; // reflected by F less what F takes from refraction, likewise
+SNELL_CONST uint glass_dense_side = 1280u;    // as the first, wo on the denser side
+SNELL_CONST uint glass_tables_length = 1920u;
+
+// A cubic through the middle two of four equally spaced values, with Catmull and Rom's slopes; x in [0, 1].
+SNELL_FN float cubic_between(float before, float a, float b, float after, float x)
+{
+    float slope_a = 0.5f * (b - before);
+    float slope_b = 0.5f * (after - a);
+    float d = b - a;
+    return a + x * (slope_a + x * (3.0f * d - 2.0f * slope_a - slope_b + x * (slope_a + slope_b - 2.0f * d)));
+}
+
+// A row of a table at `column` + x.
+SNELL_FN float look_up_row(FloatArray albedo, uint row_start, uint column, float x)
+{
+    uint at = row_start + column;
+    float a = albedo.at[at];
+    float b = albedo.at[at + 1u];
+    // beyond the ends the curve goes on straight
+    float before = column > 0u ? albedo.at[at - 1u] : 2.0f * a - b;
+    float after = column + 2u < albedo_columns ? albedo.at[at + 2u] : 2.0f * b - a;
+    return cubic_between(before, a, b, after, x);
+}
+
+// The table that begins there at (x, y) in [0, 1]^2, bicubic.
+SNELL_FN_COLD float look_up_albedo(FloatArray albedo, uint table, float x, float y)
+{
+    float last = float(albedo_rows - 1u);
+    float row = min(floor(y * last), last - 1.0f);
+    float fx = x * float(albedo_columns - 1u);
+    float column = min(floor(fx), float(albedo_columns - 2u));
+    fx = fx - column;
+    uint at = table + uint(row) * albedo_columns;
+    float a = look_up_row(albedo, at, uint(column), fx);
+    float b = look_up_row(albedo, at + albedo_columns, uint(column), fx);
+    float before = 2.0f * a - b;
+    float after = 2.0f * b - a;
+    if (row > 0.0f) before = look_up_row(albedo, at - albedo_columns, uint(column), fx);
+    if (row < last - 1.0f) after = look_up_row(albedo, at + 2u * albedo_columns, uint(column), fx);
+    return cubic_between(before, a, b, after, y * last - row);
+}
+
+// Likewise, for a table with its rows at alpha.
+SNELL_FN_COLD float look_up_rough_albedo(FloatArray albedo, uint table, float cos_o, float alpha)
+{
+    return look_up_albedo(albedo, table, sqrt(clamp(cos_o, 0.0f, 1.0f)), sqrt(clamp(alpha, 0.0f, 1.0f)));
+}
+
+// x: albedo of GGX reflection with a reflectance of 1; y: with Schlick's weight (1 - cos)^5 as reflectance. So that of
+// a reflectance f0 + (f90 - f0) * weight is f0 * x + (f90 - f0) * y. alpha 0: of a mirror.
+SNELL_FN vec2 ggx_albedo(FloatArray albedo, float cos_o, float alpha)
+{
+    float edge = 1.0f - clamp(cos_o, 0.0f, 1.0f);
+    float whole = 1.0f;
+    if (alpha > 0.0f) {
+        whole = look_up_rough_albedo(albedo, albedo_ggx, cos_o, alpha);
+        edge = look_up_rough_albedo(albedo, albedo_ggx_edge, cos_o, alpha);
+    }
+    float edge2 = edge * edge;
+    return vec2(whole, whole * edge2 * edge2 * edge);
+}
+
+// Albedo of eval_sheen, >= 0; it may pass 1. alpha in [sheen_alpha_min, 1].
+SNELL_FN float sheen_albedo(FloatArray albedo, float cos_o, float alpha)
+{
+    float y = log(alpha) / log(sheen_alpha_min);
+    return exp(look_up_albedo(albedo, albedo_sheen, sqrt(clamp(cos_o, 0.0f, 1.0f)), clamp(y, 0.0f, 1.0f)));
+}
+
+SNELL_END
+#endif
