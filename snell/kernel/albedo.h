@@ -15,10 +15,19 @@ SNELL_CONST uint albedo_rows = 32u;
 SNELL_CONST uint albedo_table_length = 640u; // their product
 
 // Where the tables lie in SceneView::albedo.
-SNELL_CONST uint albedo_ggx = 0u;        // GGX reflection where each facet is a perfect mirror
-SNELL_CONST uint albedo_ggx_edge = 640u; // (that with Schlick's weight as reflectance, over the one above)^(1/5)
-SNELL_CONST uint albedo_sheen = 1280u;   // logarithm of eval_sheen's
-SNELL_CONST uint albedo_length = 1920u;  // of the tables that every scene has
+SNELL_CONST uint albedo_ggx = 0u;            // GGX reflection where each facet is a perfect mirror
+SNELL_CONST uint albedo_ggx_edge = 640u;     // (that with Schlick's weight as reflectance, over the one above)^(1/5)
+SNELL_CONST uint albedo_sheen = 1280u;       // logarithm of eval_sheen's
+SNELL_CONST uint albedo_anisotropic = 1920u; // see anisotropic_albedo; all 1 where no material is anisotropic
+SNELL_CONST uint albedo_length = 12000u;     // of the tables that every scene has
+
+// The nodes of albedo_anisotropic, the fastest first: cosines and alphas as above, turns at equal steps of the
+// roughness along wo's azimuth, from the smaller to the greater; strengths at equal steps of the anisotropy.
+SNELL_CONST uint anisotropic_cosines = 14u;
+SNELL_CONST uint anisotropic_turns = 8u;
+SNELL_CONST uint anisotropic_alphas = 10u;
+SNELL_CONST uint anisotropic_strengths = 9u;
+SNELL_CONST uint anisotropic_length = 10080u; // their product
 
 // Rough glass of one ior has three tables more; where they begin: Principled::glass_table. F is Fresnel's reflectance
 // stretched so that it is 0 at normal incidence.
@@ -84,6 +93,47 @@ SNELL_FN vec2 ggx_albedo(FloatArray albedo, float cos_o, float alpha)
     }
     float edge2 = edge * edge;
     return vec2(whole, whole * edge2 * edge2 * edge);
+}
+
+// Where x in [0, 1] falls among n nodes: the node before it and how far beyond.
+SNELL_FN vec2 node_before(float x, uint n)
+{
+    float at = clamp(x, 0.0f, 1.0f) * float(n - 1u);
+    float node = min(floor(at), float(n - 2u));
+    return vec2(node, at - node);
+}
+
+// Bilinear in cosine and turn.
+SNELL_FN float look_up_anisotropic(FloatArray albedo, uint at, vec2 cosine, vec2 turn)
+{
+    at += uint(turn.x) * anisotropic_cosines + uint(cosine.x);
+    float low = albedo.at[at] + (albedo.at[at + 1u] - albedo.at[at]) * cosine.y;
+    at += anisotropic_cosines;
+    float high = albedo.at[at] + (albedo.at[at + 1u] - albedo.at[at]) * cosine.y;
+    return low + (high - low) * turn.y;
+}
+
+// Albedo of an anisotropic GGX reflection over that of the isotropic one whose alpha is the mean of the two.
+//   w         direction in the frame of the anisotropy, w.z >= 0
+//   alphas    along X and Y; X has more: mix(alphas.y, 1, strength^2)
+SNELL_FN_COLD float anisotropic_albedo(FloatArray albedo, vec3 w, vec2 alphas, float strength)
+{
+    float side = max(w.x * w.x + w.y * w.y, 1e-12f);
+    float seen = sqrt((sqr(alphas.x * w.x) + sqr(alphas.y * w.y)) / side);
+    vec2 cosine = node_before(sqrt(clamp(w.z, 0.0f, 1.0f)), anisotropic_cosines);
+    vec2 turn = node_before((seen - alphas.y) / max(alphas.x - alphas.y, 1e-12f), anisotropic_turns);
+    vec2 rough = node_before(sqrt(clamp(alphas.y, 0.0f, 1.0f)), anisotropic_alphas);
+    vec2 strong = node_before(strength, anisotropic_strengths);
+    uint plane = anisotropic_cosines * anisotropic_turns;
+    uint cube = plane * anisotropic_alphas;
+    uint at = albedo_anisotropic + uint(strong.x) * cube + uint(rough.x) * plane;
+    float a = look_up_anisotropic(albedo, at, cosine, turn);
+    float b = look_up_anisotropic(albedo, at + plane, cosine, turn);
+    float c = look_up_anisotropic(albedo, at + cube, cosine, turn);
+    float d = look_up_anisotropic(albedo, at + cube + plane, cosine, turn);
+    float low = a + (b - a) * rough.y;
+    float high = c + (d - c) * rough.y;
+    return low + (high - low) * strong.y;
 }
 
 // Albedo of eval_sheen, >= 0; it may pass 1. alpha in [sheen_alpha_min, 1].

@@ -47,17 +47,6 @@ SNELL_FN_COLD FacetSplit split_facet(SNELL_IN(PrincipledPoint) p, float cos_h)
     return s;
 }
 
-SNELL_FN vec3 to_facet_frame(SNELL_IN(PrincipledPoint) p, vec3 w)
-{
-    vec2 d = p.anisotropy_direction;
-    return vec3(w.x * d.x + w.y * d.y, w.y * d.x - w.x * d.y, w.z);
-}
-SNELL_FN vec3 from_facet_frame(SNELL_IN(PrincipledPoint) p, vec3 w)
-{
-    vec2 d = p.anisotropy_direction;
-    return vec3(w.x * d.x - w.y * d.y, w.y * d.x + w.x * d.y, w.z);
-}
-
 // The rough facets of metal, opaque body and glass; wo.z > 0.
 SNELL_FN_COLD PrincipledValue evaluate_facets(SNELL_IN(PrincipledPoint) p, vec3 wo, vec3 wi)
 {

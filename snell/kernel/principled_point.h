@@ -18,8 +18,8 @@ SNELL_BEGIN
 
 SNELL_CONST float principled_smooth_alpha = 1e-4f; // less rough than this is a mirror
 SNELL_CONST float principled_straight_eta = 1e-3f; // so close to 1, an index does not bend light
-// The tables of rough glass are within 0.002; light that bounces about in it shall not grow by that.
-SNELL_CONST float glass_gain_margin = 0.9985f;
+// The tables of rough glass are within 0.003; light that bounces about in it shall not grow by that.
+SNELL_CONST float glass_gain_margin = 0.998f;
 SNELL_CONST float clearcoat_f0 = 0.04f;
 
 // The first part is given by the caller, with all textures looked up; resolve_principled fills the second.
@@ -139,14 +139,16 @@ SNELL_FN vec2 principled_alphas(float alpha, float anisotropy)
     return vec2(along, max(a, principled_smooth_alpha));
 }
 
-// The roughness whose isotropic albedo stands for that of `alphas` seen from w, in the anisotropy's frame.
-SNELL_FN float albedo_alpha(vec2 alphas, vec3 w)
+// To the frame of the anisotropy, and back.
+SNELL_FN vec3 to_facet_frame(SNELL_IN(PrincipledPoint) p, vec3 w)
 {
-    if (alphas.x == alphas.y) return alphas.x;
-    float s2 = w.x * w.x + w.y * w.y;
-    float across = sqrt(alphas.x * alphas.y);
-    if (s2 < 1e-12f) return across;
-    return across;
+    vec2 d = p.anisotropy_direction;
+    return vec3(w.x * d.x + w.y * d.y, w.y * d.x - w.x * d.y, w.z);
+}
+SNELL_FN vec3 from_facet_frame(SNELL_IN(PrincipledPoint) p, vec3 w)
+{
+    vec2 d = p.anisotropy_direction;
+    return vec3(w.x * d.x - w.y * d.y, w.y * d.x + w.x * d.y, w.z);
 }
 
 // How far F is on its way from normal (0) to grazing (1) incidence, between glass and air: Fresnel's equations, not

@@ -32,7 +32,20 @@ SNELL_FN_COLD float resolve_coats(FloatArray albedo, SNELL_INOUT(PrincipledPoint
     return below;
 }
 
-// The glass; weight: its share. e: ggx_albedo for wo. Sets p_facets or p_straight to its albedo.
+// What single scattering lets leave rough solid glass without tint.
+SNELL_FN_COLD vec3 glass_albedo(FloatArray albedo, SNELL_IN(PrincipledPoint) p, float cos_o, float alpha, vec3 f0,
+                                float f90)
+{
+    uint table = p.glass_table + (p.eta < 1.0f ? glass_dense_side : glass_thin_side);
+    float whole = look_up_rough_albedo(albedo, albedo_ggx, cos_o, alpha);
+    vec3 leaves = (1.0f - f0) * look_up_rough_albedo(albedo, table, cos_o, alpha) + f0 * whole;
+    if (f90 < 1.0f)
+        leaves += (f90 - 1.0f) * look_up_rough_albedo(albedo, p.glass_table + glass_thin_side_edge, cos_o, alpha);
+    return leaves;
+}
+
+// The glass; weight: its share. e: ggx_albedo for wo. Sets
+// p_facets or p_straight to its albedo.
 SNELL_FN_COLD void resolve_glass(FloatArray albedo, SNELL_INOUT(PrincipledPoint) p, vec3 w, float alpha, float weight,
                                  vec3 dielectric_f0, vec3 schlick_f0, vec2 e)
 {
@@ -61,10 +74,9 @@ SNELL_FN_COLD void resolve_glass(FloatArray albedo, SNELL_INOUT(PrincipledPoint)
         }
         gain = vec3(1.0f);
         if (alpha > 0.0f && p.glass_table != none) {
-            uint table = p.glass_table + (p.eta < 1.0f ? glass_dense_side : glass_thin_side);
-            vec3 leaves = (1.0f - f0) * look_up_rough_albedo(albedo, table, w.z, alpha) + f0 * e.x;
-            if (f90 < 1.0f)
-                leaves += (f90 - 1.0f) * look_up_rough_albedo(albedo, p.glass_table + glass_thin_side_edge, w.z, alpha);
+            vec3 leaves = glass_albedo(albedo, p, w.z, p.alphas.y, f0, f90);
+            // of anisotropic glass only the bounds are known; rather too dark than too bright
+            if (p.alphas.x > p.alphas.y) leaves = max(leaves, glass_albedo(albedo, p, w.z, p.alphas.x, f0, f90));
             gain = glass_gain_margin / clamp(leaves, 0.1f, 1.0f);
         }
     }
@@ -95,10 +107,10 @@ SNELL_FN_COLD PrincipledPoint resolve_principled(FloatArray albedo, SNELL_IN(Pri
 
     if (p.anisotropy <= 0.0f) p.anisotropy_direction = vec2(1.0f, 0.0f);
     p.alphas = principled_alphas(p.alpha, p.anisotropy);
-    vec2 along = p.anisotropy_direction;
-    vec3 turned = vec3(w.x * along.x + w.y * along.y, w.y * along.x - w.x * along.y, w.z);
-    float alpha = albedo_alpha(p.alphas, turned);
+    float alpha = 0.5f * (p.alphas.x + p.alphas.y);
     vec2 e = ggx_albedo(albedo, w.z, alpha);
+    if (p.alphas.x > p.alphas.y)
+        e = e * anisotropic_albedo(albedo, to_facet_frame(p, w), p.alphas, min(p.anisotropy, 1.0f));
     float edge = schlick_weight(w.z);
 
     if (metallic > 0.0f) {

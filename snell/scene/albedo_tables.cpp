@@ -3,6 +3,7 @@
 #include "snell/core/parallel.h"
 #include "snell/kernel/albedo.h"
 #include "snell/kernel/fresnel.h"
+#include "snell/kernel/ggx_anisotropic.h"
 #include "snell/kernel/iridescence.h"
 #include "snell/kernel/microfacet.h"
 #include "snell/kernel/principled_point.h"
@@ -13,6 +14,7 @@
 #include <map>
 #include <memory>
 #include <mutex>
+#include <utility>
 
 namespace snell {
 namespace {
@@ -132,10 +134,44 @@ float sheen_entry(const std::vector<LatticePoint>& points, const Node& at)
     return static_cast<float>(std::log(std::max(sum * 2.0 * static_cast<double>(pi), 1e-20)));
 }
 
+// albedo_anisotropic; the isotropic tables are done.
+std::vector<float> anisotropic_table(const std::vector<float>& common)
+{
+    const std::vector<LatticePoint> points = lattice(377, 233);
+    const FloatArray isotropic{common.data()};
+    std::vector<float> values(anisotropic_length);
+    parallel_for(anisotropic_length, [&](std::size_t i) {
+        std::size_t rest = i;
+        const auto next = [&](uint n) { return std::exchange(rest, rest / n) % n; };
+        const float c = std::max(node(next(anisotropic_cosines), anisotropic_cosines), smallest_cosine);
+        const float turn = static_cast<float>(next(anisotropic_turns)) / static_cast<float>(anisotropic_turns - 1);
+        const float across = node(next(anisotropic_alphas), anisotropic_alphas);
+        const float strength =
+            static_cast<float>(next(anisotropic_strengths)) / static_cast<float>(anisotropic_strengths - 1);
+        const vec2 alphas = max(principled_alphas(across, strength), vec2(smallest_alpha));
+        const float r = safe_sqrt(1.0f - c * c);
+        // the azimuth along which the roughness is so far between the two
+        const float seen = alphas.y + (alphas.x - alphas.y) * turn;
+        const float x2 = alphas.x > alphas.y ? (sqr(seen) - sqr(alphas.y)) / (sqr(alphas.x) - sqr(alphas.y)) : turn;
+        const vec3 wo(r * safe_sqrt(x2), r * safe_sqrt(1.0f - x2), c);
+        const float lambda = anisotropic_lambda(wo, alphas);
+        double whole = 0;
+        for (const LatticePoint& p : points) {
+            const vec3 h = sample_anisotropic_visible(wo, alphas, p.u);
+            const vec3 wi = 2.0f * dot(wo, h) * h - wo;
+            if (wi.z > 0.0f)
+                whole +=
+                    p.weight * static_cast<double>((1.0f + lambda) / (1.0f + lambda + anisotropic_lambda(wi, alphas)));
+        }
+        values[i] = static_cast<float>(whole) / ggx_albedo(isotropic, c, 0.5f * (alphas.x + alphas.y)).x;
+    });
+    return values;
+}
+
 std::vector<float> common_tables()
 {
     const std::vector<LatticePoint> points = lattice(610, 377);
-    std::vector<float> values(albedo_length);
+    std::vector<float> values(albedo_length, 1.0f);
     parallel_for(albedo_table_length, [&](std::size_t i) {
         const vec2 ggx = ggx_entry(points, node_of(i));
         values[albedo_ggx + i] = ggx.x;
@@ -155,7 +191,7 @@ std::vector<float> glass_tables(float ior)
     std::vector<float> values(glass_tables_length);
     parallel_for(albedo_table_length, [&](std::size_t i) {
         const Node at = node_of(i);
-        const vec3 entry = glass_entry(at.alpha < 0.1f ? few : many, at, std::max(ior, 1.0f / ior));
+        const vec3 entry = glass_entry(at.alpha < 0.05f ? few : many, at, std::max(ior, 1.0f / ior));
         values[glass_thin_side + i] = entry.x;
         values[glass_thin_side_edge + i] = entry.y;
         values[glass_dense_side + i] = entry.z;
@@ -188,11 +224,15 @@ bool has_table(float ior)
 
 } // namespace
 
-AlbedoTables albedo_tables(std::span<const float> iors)
+AlbedoTables albedo_tables(std::span<const float> iors, bool anisotropic)
 {
     static const std::vector<float> common = common_tables();
     AlbedoTables result;
     result.values = common;
+    if (anisotropic) {
+        static const std::vector<float> table = anisotropic_table(common);
+        std::copy(table.begin(), table.end(), result.values.begin() + albedo_anisotropic);
+    }
 
     std::vector<float> wanted;
     std::copy_if(iors.begin(), iors.end(), std::back_inserter(wanted), has_table);
