@@ -70,6 +70,30 @@ SNELL_FN float mean3(vec3 v)
     return (v.x + v.y + v.z) * (1.0f / 3.0f);
 }
 
+// The second part, empty.
+SNELL_FN_COLD void clear_principled(SNELL_INOUT(PrincipledPoint) p)
+{
+    p.alphas = vec2(0.0f);
+    p.reflected_f0 = vec3(0.0f);
+    p.reflected_edge = vec3(0.0f);
+    p.glass_weight = vec3(0.0f);
+    p.glass_f0 = vec3(0.0f);
+    p.glass_f90 = 1.0f;
+    p.eta = 1.0f;
+    p.straight = vec3(0.0f);
+    p.diffuse = vec3(0.0f);
+    p.diffuse_through = vec3(0.0f);
+    p.sheen = vec3(0.0f);
+    p.coat = 0.0f;
+    p.albedo = vec3(0.0f);
+    p.p_coat = 0.0f;
+    p.p_sheen = 0.0f;
+    p.p_facets = 0.0f;
+    p.p_straight = 0.0f;
+    p.p_diffuse = 0.0f;
+    p.p_through = 0.0f;
+}
+
 // The parameters that leave a surface without layers: a grey opaque dielectric of index 1.5, white, of that alpha.
 SNELL_FN_COLD PrincipledPoint plain_principled_point(float alpha)
 {
@@ -95,25 +119,7 @@ SNELL_FN_COLD PrincipledPoint plain_principled_point(float alpha)
     p.iridescence_thickness = 0.0f;
     p.diffuse_transmission = 0.0f;
     p.diffuse_transmission_color = vec3(1.0f);
-    p.alphas = vec2(0.0f);
-    p.reflected_f0 = vec3(0.0f);
-    p.reflected_edge = vec3(0.0f);
-    p.glass_weight = vec3(0.0f);
-    p.glass_f0 = vec3(0.0f);
-    p.glass_f90 = 1.0f;
-    p.eta = 1.0f;
-    p.straight = vec3(0.0f);
-    p.diffuse = vec3(0.0f);
-    p.diffuse_through = vec3(0.0f);
-    p.sheen = vec3(0.0f);
-    p.coat = 0.0f;
-    p.albedo = vec3(0.0f);
-    p.p_coat = 0.0f;
-    p.p_sheen = 0.0f;
-    p.p_facets = 0.0f;
-    p.p_straight = 0.0f;
-    p.p_diffuse = 0.0f;
-    p.p_through = 0.0f;
+    clear_principled(p);
     return p;
 }
 

@@ -89,16 +89,17 @@ SNELL_FN_COLD void resolve_glass(FloatArray albedo, SNELL_INOUT(PrincipledPoint)
     p.p_facets += mean3(seen);
 }
 
-// `albedo` are the tables of albedo.h. The result serves this wo only; wo.z != 0.
+// `albedo` are the tables of albedo.h. The result serves this wo only; wo.z != 0. A resolved point
+// may be given again, with other parameters.
 SNELL_FN_COLD PrincipledPoint resolve_principled(FloatArray albedo, SNELL_IN(PrincipledPoint) point, vec3 wo)
 {
     PrincipledPoint p = point;
+    clear_principled(p);
     vec3 w = vec3(wo.x, wo.y, abs(wo.z));
     p.base_color = clamp(p.base_color, 0.0f, 1.0f);
     float metallic = clamp(p.metallic, 0.0f, 1.0f);
     float transmission = p.ior < 0.05f ? 0.0f : clamp(p.transmission, 0.0f, 1.0f);
     bool solid = transmission > 0.0f && p.thin_walled == 0u && metallic < 1.0f;
-    p.eta = 1.0f;
     if (solid) p.eta = wo.z > 0.0f ? p.ior : 1.0f / p.ior;
 
     // from within a solid the layers outside it are not looked at

@@ -83,20 +83,22 @@ static Principled pack_principled(const PrincipledDesc& desc, Slots& slot)
     return p;
 }
 
-// Rough solid glass needs a table for its ior.
+// Rough solid glass needs a table for its ior; anisotropy one for all.
 static void pack_albedo(PackedScene& packed)
 {
     if (packed.principled.empty()) return;
     std::vector<float> iors;
     std::vector<Principled*> glasses;
+    bool anisotropic = false;
     for (const Material& m : packed.materials) {
         if (m.principled == none) continue;
         Principled& p = packed.principled[m.principled];
+        anisotropic = anisotropic || p.anisotropy > 0.0f;
         if (!(p.transmission > 0.0f) || p.thin_walled != 0u || !(p.roughness > 0.0f)) continue;
         iors.push_back(m.ior);
         glasses.push_back(&p);
     }
-    AlbedoTables tables = albedo_tables(iors);
+    AlbedoTables tables = albedo_tables(iors, anisotropic);
     for (std::size_t i = 0; i < glasses.size(); ++i) glasses[i]->glass_table = tables.glass_table[i];
     packed.albedo = std::move(tables.values);
 }
