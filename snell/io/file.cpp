@@ -236,19 +236,9 @@ std::string lower_extension(const fs::path& file)
     return extension;
 }
 
-static fs::path without_gz(const fs::path& file)
-{
-    return lower_extension(file) == ".gz" ? file.parent_path() / file.stem() : file;
-}
-
-std::string inner_extension(const fs::path& file)
-{
-    return lower_extension(without_gz(file));
-}
-
 std::string inner_stem(const fs::path& file)
 {
-    return without_gz(file).stem().string();
+    return (lower_extension(file) == ".gz" ? file.stem() : file.filename()).stem().string();
 }
 
 } // namespace snell

@@ -52,9 +52,6 @@ void check_can_write(const std::filesystem::path& file);
 // The ending of a file name in lower case, with its dot: ".exr"; empty if there is none.
 std::string lower_extension(const std::filesystem::path& file);
 
-// The same of the file within: that of "a.OBJ.gz" is ".obj". A name that is ".gz" only by itself has none.
-std::string inner_extension(const std::filesystem::path& file);
-
 // The name without its endings, ".gz" included: "bunny" of "scans/bunny.ply.gz".
 std::string inner_stem(const std::filesystem::path& file);
 

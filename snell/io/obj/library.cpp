@@ -4,6 +4,7 @@
 #include "snell/io/file.h"
 #include "snell/io/image/read.h"
 #include "snell/io/obj/bump.h"
+#include "snell/io/stand_in.h"
 #include "snell/io/text_cursor.h"
 #include "snell/io/text_encoding.h"
 
@@ -39,20 +40,6 @@ std::string lower(std::string text)
     for (char& c : text)
         if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
     return text;
-}
-
-// 8 x 8 squares that nobody takes for the real thing.
-Image checkerboard(const std::string& name)
-{
-    Image image;
-    image.name = name;
-    image.width = image.height = 8;
-    for (uint y = 0; y < 8; ++y)
-        for (uint x = 0; x < 8; ++x) {
-            const std::uint8_t on = (x + y) % 2 == 0 ? 255 : 0;
-            image.bytes.insert(image.bytes.end(), {on, 0, on, 255});
-        }
-    return image;
 }
 
 } // namespace

@@ -31,12 +31,17 @@ std::optional<Type> find_type(std::string_view name)
     return {};
 }
 
+// Thrown where the view ends within the header.
+struct Incomplete
+{
+};
+
 // The header line by line; each ends as the first one does, for a binary body may begin with a byte that looks like
 // half a line end.
 class Lines
 {
   public:
-    Lines(const std::string& file, std::string_view bytes) : file_(file), bytes_(bytes)
+    Lines(const std::string& file, std::string_view bytes, bool is_all) : file_(file), bytes_(bytes), is_all_(is_all)
     {
         const std::size_t first = bytes.find_first_of("\r\n");
         if (first == std::string_view::npos) return;
@@ -47,6 +52,7 @@ class Lines
     {
         const std::size_t end = end_of_line_.empty() ? std::string_view::npos : bytes_.find(end_of_line_, offset_);
         ++line_;
+        if (end == std::string_view::npos && !is_all_) throw Incomplete();
         if (end == std::string_view::npos)
             fail("the header has no 'end_header'", "the file is truncated: get or write it again");
         const std::string_view line = bytes_.substr(offset_, end - offset_);
@@ -55,6 +61,7 @@ class Lines
     }
 
     std::size_t offset() const { return offset_; }
+    int line() const { return line_; }
 
     [[noreturn]] void fail(const std::string& message, const std::string& remedy = "mend the header") const
     {
@@ -64,6 +71,7 @@ class Lines
   private:
     std::string file_;
     std::string_view bytes_, end_of_line_;
+    bool is_all_;
     std::size_t offset_ = 0;
     int line_ = 0;
 };
@@ -165,19 +173,21 @@ const Element* Header::find(std::string_view element) const
     return nullptr;
 }
 
-Header read_header(const std::string& file, std::string_view bytes)
+static Header read_lines(const std::string& file, std::string_view bytes, bool is_all)
 {
     if (!bytes.starts_with("ply") || (bytes.size() > 3 && !is_space(bytes[3])))
         throw Error({file, 1, 1}, "does not begin with 'ply'", "it is no PLY file: check the name and how it was made");
 
     Header header;
-    Lines lines(file, bytes);
+    Lines lines(file, bytes, is_all);
     lines.next();
     bool has_format = false;
     for (;;) {
         std::string_view line = lines.next();
         const std::string_view keyword = take_word(line);
         if (keyword == "end_header") break;
+        if (keyword == "comment" && take_word(line) == "TextureFile" && header.textures.size() < most_names)
+            header.textures.emplace_back(trim(line));
         if (keyword.empty() || keyword == "comment" || keyword == "obj_info") continue;
         if (keyword == "format") {
             const std::string_view format = take_word(line), version = take_word(line);
@@ -209,8 +219,22 @@ Header read_header(const std::string& file, std::string_view bytes)
     }
     if (!has_format) lines.fail("the header has no 'format' line");
     header.body = lines.offset();
+    header.lines = lines.line();
+    return header;
+}
 
-    std::uint64_t left = bytes.size() - header.body + (header.format == Format::ascii ? 1 : 0);
+std::optional<Header> read_header(const std::string& file, std::string_view bytes, bool is_all)
+{
+    try {
+        return read_lines(file, bytes, is_all);
+    } catch (const Incomplete&) {
+        return {};
+    }
+}
+
+void check_counts(const std::string& file, const Header& header, std::uint64_t left)
+{
+    if (header.format == Format::ascii) ++left;
     for (const Element& element : header.elements) {
         const std::size_t row = element.least_row_bytes(header.format);
         if (row > 0 && element.count > left / row)
@@ -221,7 +245,6 @@ Header read_header(const std::string& file, std::string_view bytes)
                 "the file is truncated or its header wrong: get or write it again");
         left -= row * element.count;
     }
-    return header;
 }
 
 } // namespace snell::ply

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -52,13 +53,19 @@ struct Header
 {
     Format format = Format::ascii;
     std::vector<Element> elements;
-    std::size_t body = 0; // byte offset of what follows the header
+    std::vector<std::string> textures; // what 'comment TextureFile' says, as MeshLab writes it
+    std::size_t body = 0;              // byte offset of what follows the header
+    int lines = 0;                     // of the header
 
     const Element* find(std::string_view element) const;
 };
 
-// Throws Error with the line. No element announces more rows than the rest of the file has bytes for: it is safe to
+// bytes: as much of the file as is in view. Empty if the header is not complete and there is more (is_all false).
+// Throws Error with the line.
+std::optional<Header> read_header(const std::string& file, std::string_view bytes, bool is_all);
+
+// Throws Error if an element announces more rows than `left` bytes behind the header can hold: after that it is safe to
 // allocate by the counts.
-Header read_header(const std::string& file, std::string_view bytes);
+void check_counts(const std::string& file, const Header& header, std::uint64_t left);
 
 } // namespace snell::ply

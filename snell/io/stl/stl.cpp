@@ -1,11 +1,15 @@
 #include "snell/io/stl/stl.h"
 
-#include "snell/io/file.h"
+#include "snell/core/error.h"
+#include "snell/io/byte_window.h"
 #include "snell/io/index_table.h"
+#include "snell/io/progress.h"
 #include "snell/io/text_cursor.h"
 
+#include <algorithm>
 #include <bit>
 #include <cstring>
+#include <functional>
 
 namespace snell {
 namespace {
@@ -63,23 +67,39 @@ std::size_t binary_facet_count(std::string_view bytes)
     return count;
 }
 
-Facets read_binary(std::string_view bytes)
+using Progress = std::function<void()>;
+
+Facets read_binary(ByteWindow& window, std::size_t count, const Progress& progress)
 {
-    const std::size_t count = binary_facet_count(bytes);
-    Facets facets(count);
-    for (std::size_t i = 0; i < count; ++i) {
-        float f[12];
-        std::memcpy(f, bytes.data() + header_bytes + i * facet_bytes, sizeof f);
-        facets.add(vec3(f[0], f[1], f[2]), {vec3(f[3], f[4], f[5]), vec3(f[6], f[7], f[8]), vec3(f[9], f[10], f[11])});
+    window.take(header_bytes);
+    Facets facets(std::min<std::uint64_t>(count, window.most_left() / facet_bytes));
+    for (std::size_t done = 0; done < count;) {
+        while (window.view().size() < facet_bytes && window.more()) {
+        }
+        const std::size_t here = std::min(window.view().size() / facet_bytes, count - done);
+        if (here == 0)
+            throw Error({window.name()},
+                        fmt::format("the header announces {} facets, but the file has only {}", count, done),
+                        "it is truncated or no STL file: get or write it again");
+        const char* from = window.view().data();
+        for (std::size_t i = 0; i < here; ++i, from += facet_bytes) {
+            float f[12];
+            std::memcpy(f, from, sizeof f);
+            facets.add(vec3(f[0], f[1], f[2]),
+                       {vec3(f[3], f[4], f[5]), vec3(f[6], f[7], f[8]), vec3(f[9], f[10], f[11])});
+        }
+        done += here;
+        window.take(here * facet_bytes);
+        progress();
     }
     return facets;
 }
 
-Facets read_ascii(const std::string& file, std::string_view text)
+Facets read_ascii(ByteWindow& window, const Progress& progress)
 {
-    // Some 250 bytes a facet as they are usually written; a guess only.
-    Facets facets(text.size() / 250);
-    TextCursor in(file, text);
+    // Some 250 bytes a facet as they are usually written; a guess only, and packed files announce too much.
+    Facets facets(window.is_exact() ? window.most_left() / 250 : 0);
+    TextCursor in(window);
     const auto expect = [&](std::string_view keyword) {
         const std::string_view word = in.word();
         if (!same_word(word, keyword))
@@ -115,6 +135,7 @@ Facets read_ascii(const std::string& file, std::string_view text)
             }
             expect("endloop"), expect("endfacet");
             facets.add(normal, corners);
+            if (facets.count() % (1 << 14) == 0) progress();
         } else {
             throw Error(in.place(word),
                         fmt::format("'{}' should be here, but there is {}", is_open ? "facet' or 'endsolid" : "solid",
@@ -128,35 +149,45 @@ Facets read_ascii(const std::string& file, std::string_view text)
 
 } // namespace
 
-Scene load_stl(const std::filesystem::path& file)
+Scene load_stl(const std::filesystem::path& file, const LoadOptions& options)
 {
-    const std::string bytes = read_file(file);
-    const std::string name = file.string();
-    const std::size_t count = binary_facet_count(bytes);
-    const std::size_t wanted = header_bytes + count * facet_bytes;
-    const bool says_solid = bytes.starts_with("solid") || trim(bytes.substr(0, 80)).starts_with("solid");
+    ByteWindow window(file);
+    const std::string& name = window.name();
+    const std::string_view start = window.view();
+    const std::size_t count = binary_facet_count(start);
+    const std::uint64_t wanted = header_bytes + std::uint64_t{count} * facet_bytes;
+    const std::uint64_t size = window.most_left(); // of packed files an upper bound only
+    const bool says_solid = start.starts_with("solid") || trim(start.substr(0, 80)).starts_with("solid");
 
     Scene scene;
-    scene.name = file.stem().string();
+    scene.name = inner_stem(file);
     // A text that has its own size in bytes 80 to 83 by chance does not happen: it would be over 500 MB of ASCII art.
-    // Binary files with bytes missing or left over have a NUL somewhere in their header or first facet.
-    const bool has_nul = bytes.substr(0, header_bytes + facet_bytes).find('\0') != std::string::npos;
-    const bool is_binary = bytes.size() >= header_bytes && (bytes.size() == wanted || !says_solid || has_nul);
+    // Other binary files, packed ones and those with bytes missing or left over, have a NUL somewhere in their header
+    // or first facet.
+    const bool has_nul = start.substr(0, header_bytes + facet_bytes).find('\0') != std::string::npos;
+    const bool is_binary = start.size() >= header_bytes && (size == wanted || !says_solid || has_nul);
     if (!is_binary && !says_solid)
         throw Error({name},
-                    fmt::format("{} bytes are too few for a binary STL file, and it is no ASCII one", bytes.size()),
+                    fmt::format("{} bytes are too few for a binary STL file, and it is no ASCII one", start.size()),
                     "get or write it again");
-    if (is_binary && bytes.size() < wanted)
+    if (is_binary && size < wanted)
         throw Error({name},
                     fmt::format("the header announces {} facets, {} bytes in all, but the file has only {}", count,
-                                wanted, bytes.size()),
+                                wanted, size),
                     "it is truncated or no STL file: get or write it again");
 
-    Facets facets = is_binary ? read_binary(bytes) : read_ascii(name, bytes);
+    const std::function<void(double)> report = reading_progress(options, file);
+    const Progress progress = [&] {
+        if (window.disk_size() > 0)
+            report(static_cast<double>(window.disk_done()) / static_cast<double>(window.disk_size()));
+    };
+    Facets facets = is_binary ? read_binary(window, count, progress) : read_ascii(window, progress);
+    progress();
     if (facets.count() == 0) throw Error({name}, "contains no facets", "choose a file with a surface in it");
-    if (is_binary && bytes.size() > wanted)
-        note(scene, Note::Kind::warning,
-             fmt::format("{}: {} bytes after the last facet are ignored", name, bytes.size() - wanted));
+    // Usually two bytes or a line end; packed files are not inflated any further to count them.
+    const std::uint64_t left = window.is_exact() ? window.most_left() : window.view().size();
+    if (is_binary && left > 0)
+        note(scene, Note::Kind::warning, fmt::format("{}: {} bytes after the last facet are ignored", name, left));
     if (facets.against_winding() > 0)
         note(scene, Note::Kind::warning,
              fmt::format("{}: {} of {} facet normals point against the winding of their vertices; the winding is used",
