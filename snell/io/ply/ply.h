@@ -13,6 +13,6 @@ namespace snell {
 // texcoord (coordinates by corner, which split vertices), and triangle strips. The textures that 'comment TextureFile'
 // lines name are used, by the faces' texnumber if there are several. Everything else is skipped and named in a note.
 // One mesh. Throws Error with a line (header, ASCII) or a byte offset (binary).
-Scene load_ply(const std::filesystem::path& file);
+Scene load_ply(const std::filesystem::path& file, const LoadOptions& options = {});
 
 } // namespace snell

@@ -11,6 +11,6 @@ namespace snell {
 // files begin with it, too). One mesh; equal vertices are shared, so that a closed surface is closed. The facets'
 // normals are not used: the winding decides, and a note says if they disagree. Throws Error with a line (ASCII) or a
 // byte count (binary).
-Scene load_stl(const std::filesystem::path& file);
+Scene load_stl(const std::filesystem::path& file, const LoadOptions& options = {});
 
 } // namespace snell
