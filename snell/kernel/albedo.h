@@ -19,7 +19,8 @@ SNELL_CONST uint albedo_ggx = 0u;            // GGX reflection where each facet 
 SNELL_CONST uint albedo_ggx_edge = 640u;     // (that with Schlick's weight as reflectance, over the one above)^(1/5)
 SNELL_CONST uint albedo_sheen = 1280u;       // logarithm of eval_sheen's
 SNELL_CONST uint albedo_anisotropic = 1920u; // see anisotropic_albedo; all 1 where no material is anisotropic
-SNELL_CONST uint albedo_length = 12000u;     // of the tables that every scene has
+SNELL_CONST uint albedo_anisotropic_edge = 12000u; // likewise; all 0
+SNELL_CONST uint albedo_length = 22080u;           // of the tables that every scene has
 
 // The nodes of albedo_anisotropic, the fastest first: cosines and alphas as above, turns at equal steps of the
 // roughness along wo's azimuth, from the smaller to the greater; strengths at equal steps of the anisotropy.
@@ -104,36 +105,64 @@ SNELL_FN vec2 node_before(float x, uint n)
 }
 
 // Bilinear in cosine and turn.
-SNELL_FN float look_up_anisotropic(FloatArray albedo, uint at, vec2 cosine, vec2 turn)
+SNELL_FN float look_up_anisotropic(FloatArray albedo, uint first, vec2 cosine, vec2 turn)
 {
-    at += uint(turn.x) * anisotropic_cosines + uint(cosine.x);
+    uint at = first;
     float low = albedo.at[at] + (albedo.at[at + 1u] - albedo.at[at]) * cosine.y;
     at += anisotropic_cosines;
     float high = albedo.at[at] + (albedo.at[at + 1u] - albedo.at[at]) * cosine.y;
     return low + (high - low) * turn.y;
 }
 
-// Albedo of an anisotropic GGX reflection over that of the isotropic one whose alpha is the mean of the two.
+// The place of wo among the nodes of the anisotropic tables.
+struct AnisotropicPlace
+{
+    uint first; // nearest node before it in all four
+    vec2 cosine, turn, rough, strong;
+};
+
+// Trilinear in cosine, turn and alpha.
+SNELL_FN float look_up_anisotropic_strength(FloatArray albedo, uint at, SNELL_IN(AnisotropicPlace) place)
+{
+    float low = look_up_anisotropic(albedo, at, place.cosine, place.turn);
+    float high = look_up_anisotropic(albedo, at + anisotropic_cosines * anisotropic_turns, place.cosine, place.turn);
+    return low + (high - low) * place.rough.y;
+}
+
+SNELL_FN float look_up_anisotropic_table(FloatArray albedo, uint table, SNELL_IN(AnisotropicPlace) place)
+{
+    uint at = table + place.first;
+    float low = look_up_anisotropic_strength(albedo, at, place);
+    at += anisotropic_cosines * anisotropic_turns * anisotropic_alphas;
+    float high = look_up_anisotropic_strength(albedo, at, place);
+    return low + (high - low) * place.strong.y;
+}
+
+// As ggx_albedo, for anisotropic GGX.
 //   w         direction in the frame of the anisotropy, w.z >= 0
 //   alphas    along X and Y; X has more: mix(alphas.y, 1, strength^2)
-SNELL_FN_COLD float anisotropic_albedo(FloatArray albedo, vec3 w, vec2 alphas, float strength)
+SNELL_FN_COLD vec2 anisotropic_albedo(FloatArray albedo, vec3 w, vec2 alphas, float strength)
 {
     float side = max(w.x * w.x + w.y * w.y, 1e-12f);
     float seen = sqrt((sqr(alphas.x * w.x) + sqr(alphas.y * w.y)) / side);
-    vec2 cosine = node_before(sqrt(clamp(w.z, 0.0f, 1.0f)), anisotropic_cosines);
-    vec2 turn = node_before((seen - alphas.y) / max(alphas.x - alphas.y, 1e-12f), anisotropic_turns);
-    vec2 rough = node_before(sqrt(clamp(alphas.y, 0.0f, 1.0f)), anisotropic_alphas);
-    vec2 strong = node_before(strength, anisotropic_strengths);
-    uint plane = anisotropic_cosines * anisotropic_turns;
-    uint cube = plane * anisotropic_alphas;
-    uint at = albedo_anisotropic + uint(strong.x) * cube + uint(rough.x) * plane;
-    float a = look_up_anisotropic(albedo, at, cosine, turn);
-    float b = look_up_anisotropic(albedo, at + plane, cosine, turn);
-    float c = look_up_anisotropic(albedo, at + cube, cosine, turn);
-    float d = look_up_anisotropic(albedo, at + cube + plane, cosine, turn);
-    float low = a + (b - a) * rough.y;
-    float high = c + (d - c) * rough.y;
-    return low + (high - low) * strong.y;
+    AnisotropicPlace place;
+    place.cosine = node_before(sqrt(clamp(w.z, 0.0f, 1.0f)), anisotropic_cosines);
+    place.turn = node_before((seen - alphas.y) / max(alphas.x - alphas.y, 1e-12f), anisotropic_turns);
+    place.rough = node_before(sqrt(clamp(alphas.y, 0.0f, 1.0f)), anisotropic_alphas);
+    place.strong = node_before(strength, anisotropic_strengths);
+    place.first =
+        ((uint(place.strong.x) * anisotropic_alphas + uint(place.rough.x)) * anisotropic_turns + uint(place.turn.x)) *
+            anisotropic_cosines +
+        uint(place.cosine.x);
+    // the tables tell how it differs from isotropic roughness
+    float mean = 0.5f * (alphas.x + alphas.y);
+    float whole = look_up_rough_albedo(albedo, albedo_ggx, w.z, mean) *
+                  look_up_anisotropic_table(albedo, albedo_anisotropic, place);
+    float edge = look_up_rough_albedo(albedo, albedo_ggx_edge, w.z, mean) +
+                 look_up_anisotropic_table(albedo, albedo_anisotropic_edge, place);
+    edge = clamp(edge, 0.0f, 1.0f);
+    float edge2 = edge * edge;
+    return vec2(whole, whole * edge2 * edge2 * edge);
 }
 
 // Albedo of eval_sheen, >= 0; it may pass 1. alpha in [sheen_alpha_min, 1].

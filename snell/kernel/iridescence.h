@@ -48,18 +48,16 @@ SNELL_FN vec3 film_sensitivity(float path_difference, vec3 shift)
 // The result is in [0, 1].
 SNELL_FN_COLD vec3 film_reflectance(float cos_i, float film_ior, float thickness, vec3 base_f0)
 {
-    float fade = clamp(thickness / 0.03f, 0.0f, 1.0f);
-    float ior = 1.0f + (film_ior - 1.0f) * fade * fade * (3.0f - 2.0f * fade);
+    float d = clamp(thickness, 0.0f, 1e5f); // so thick a film shows no colours any more
+    float fade = min(d / 0.03f, 1.0f);
+    float ior = 1.0f + max(film_ior - 1.0f, 0.0f) * fade * fade * (3.0f - 2.0f * fade);
     float sin2_t = (1.0f - cos_i * cos_i) / (ior * ior);
-    if (sin2_t >= 1.0f) return vec3(1.0f);
-    float cos_t = sqrt(1.0f - sin2_t);
+    float cos_t = safe_sqrt(1.0f - sin2_t);
 
     // air to film
     float f0 = sqr((ior - 1.0f) / (ior + 1.0f));
     float r12 = f0 + (1.0f - f0) * schlick_weight(cos_i);
     float through = 1.0f - r12; // in both ways
-    float shift12 = ior < 1.0f ? pi : 0.0f;
-    float shift21 = pi - shift12;
 
     // film to base: the base's index in air follows from its reflectance
     vec3 root = sqrt(clamp(base_f0, 0.0f, 0.9999f));
@@ -67,11 +65,11 @@ SNELL_FN_COLD vec3 film_reflectance(float cos_i, float film_ior, float thickness
     vec3 r1 = (base_ior - ior) / (base_ior + ior);
     r1 = r1 * r1;
     vec3 r23 = r1 + (1.0f - r1) * schlick_weight(cos_t);
-    vec3 shift = vec3(shift21 + (base_ior.x < ior ? pi : 0.0f), shift21 + (base_ior.y < ior ? pi : 0.0f),
-                      shift21 + (base_ior.z < ior ? pi : 0.0f));
+    vec3 shift = vec3(pi + (base_ior.x < ior ? pi : 0.0f), pi + (base_ior.y < ior ? pi : 0.0f),
+                      pi + (base_ior.z < ior ? pi : 0.0f));
 
     // the film's bounces as a series in the amplitude of one round trip
-    float path_difference = 2.0f * ior * (thickness * 1e-9f) * cos_t;
+    float path_difference = 2.0f * ior * (d * 1e-9f) * cos_t;
     vec3 round2 = clamp(r12 * r23, 1e-5f, 0.9999f);
     vec3 amplitude = sqrt(round2);
     vec3 once = through * through * r23 / (1.0f - round2);

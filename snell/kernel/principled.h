@@ -136,7 +136,7 @@ SNELL_FN_COLD PrincipledValue evaluate_principled(SNELL_IN(PrincipledPoint) p, v
     PrincipledValue v;
     v.f = vec3(0.0f);
     v.pdf = 0.0f;
-    if (wo.z == 0.0f) return v;
+    if (abs(wo.z) < principled_grazing) return v;
     bool mirrored = wo.z < 0.0f;
     return evaluate_principled_above(p, mirror_in_surface(wo, mirrored), mirror_in_surface(wi, mirrored));
 }
@@ -232,7 +232,7 @@ SNELL_FN_COLD BsdfSample sample_coat(SNELL_IN(PrincipledPoint) p, vec3 wo, vec2 
 SNELL_FN_COLD BsdfSample sample_principled(SNELL_IN(PrincipledPoint) p, vec3 wo, vec2 u, float u_lobe)
 {
     BsdfSample s = no_bsdf_sample();
-    if (wo.z == 0.0f) return s;
+    if (abs(wo.z) < principled_grazing) return s;
     bool mirrored = wo.z < 0.0f;
     vec3 w = mirror_in_surface(wo, mirrored);
     float to_sheen = p.p_coat;

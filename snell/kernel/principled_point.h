@@ -19,7 +19,8 @@ SNELL_BEGIN
 SNELL_CONST float principled_smooth_alpha = 1e-4f; // less rough than this is a mirror
 SNELL_CONST float principled_straight_eta = 1e-3f; // so close to 1, an index does not bend light
 // The tables of rough glass are within 0.003; light that bounces about in it shall not grow by that.
-SNELL_CONST float glass_gain_margin = 0.998f;
+SNELL_CONST float glass_gain_margin = 0.997f;
+SNELL_CONST float principled_grazing = 1e-7f; // closer to the horizon nothing is scattered to
 SNELL_CONST float clearcoat_f0 = 0.04f;
 
 // The first part is given by the caller, with all textures looked up; resolve_principled fills the second.

@@ -44,9 +44,8 @@ SNELL_FN_COLD vec3 glass_albedo(FloatArray albedo, SNELL_IN(PrincipledPoint) p, 
     return leaves;
 }
 
-// The glass; weight: its share. e: ggx_albedo for wo. Sets
-// p_facets or p_straight to its albedo.
-SNELL_FN_COLD void resolve_glass(FloatArray albedo, SNELL_INOUT(PrincipledPoint) p, vec3 w, float alpha, float weight,
+// The glass; weight: its share. e: ggx_albedo for wo. Its albedo goes to p_facets or p_straight.
+SNELL_FN_COLD void resolve_glass(FloatArray albedo, SNELL_INOUT(PrincipledPoint) p, vec3 w, bool solid, float weight,
                                  vec3 dielectric_f0, vec3 schlick_f0, vec2 e)
 {
     float f90 = clamp(p.specular, 0.0f, 1.0f);
@@ -54,8 +53,8 @@ SNELL_FN_COLD void resolve_glass(FloatArray albedo, SNELL_INOUT(PrincipledPoint)
     float whole = e.x; // of thin glass: what is not reflected goes the same way below the surface
     vec3 gain = vec3(1.0f / whole);
     float edge = schlick_weight(w.z);
-    if (p.eta != 1.0f) {
-        if (alpha > 0.0f && abs(p.eta - 1.0f) < principled_straight_eta) {
+    if (solid) {
+        if (abs(p.eta - 1.0f) < principled_straight_eta) {
             p.eta = 1.0f;
             p.straight = weight * p.base_color;
             p.albedo += p.straight;
@@ -73,10 +72,11 @@ SNELL_FN_COLD void resolve_glass(FloatArray albedo, SNELL_INOUT(PrincipledPoint)
             f0 = mix(f0, f0_behind(film, f90, edge), min(p.iridescence, 1.0f));
         }
         gain = vec3(1.0f);
-        if (alpha > 0.0f && p.glass_table != none) {
+        if (p.alphas.y > 0.0f && p.glass_table != none) {
             vec3 leaves = glass_albedo(albedo, p, w.z, p.alphas.y, f0, f90);
-            // of anisotropic glass only the bounds are known; rather too dark than too bright
-            if (p.alphas.x > p.alphas.y) leaves = max(leaves, glass_albedo(albedo, p, w.z, p.alphas.x, f0, f90));
+            // of anisotropic glass the albedo is only guessed, and rather too dark than too bright
+            if (p.alphas.x > p.alphas.y)
+                leaves = 1.03f * max(leaves, glass_albedo(albedo, p, w.z, p.alphas.x, f0, f90));
             gain = glass_gain_margin / clamp(leaves, 0.1f, 1.0f);
         }
     }
@@ -100,7 +100,8 @@ SNELL_FN_COLD PrincipledPoint resolve_principled(FloatArray albedo, SNELL_IN(Pri
     float metallic = clamp(p.metallic, 0.0f, 1.0f);
     float transmission = p.ior < 0.05f ? 0.0f : clamp(p.transmission, 0.0f, 1.0f);
     bool solid = transmission > 0.0f && p.thin_walled == 0u && metallic < 1.0f;
-    if (solid) p.eta = wo.z > 0.0f ? p.ior : 1.0f / p.ior;
+    float ior = clamp(p.ior, 0.05f, 20.0f);
+    if (solid) p.eta = wo.z > 0.0f ? ior : 1.0f / ior;
 
     // from within a solid the layers outside it are not looked at
     float below = 1.0f;
@@ -108,10 +109,11 @@ SNELL_FN_COLD PrincipledPoint resolve_principled(FloatArray albedo, SNELL_IN(Pri
 
     if (p.anisotropy <= 0.0f) p.anisotropy_direction = vec2(1.0f, 0.0f);
     p.alphas = principled_alphas(p.alpha, p.anisotropy);
-    float alpha = 0.5f * (p.alphas.x + p.alphas.y);
-    vec2 e = ggx_albedo(albedo, w.z, alpha);
+    vec2 e;
     if (p.alphas.x > p.alphas.y)
-        e = e * anisotropic_albedo(albedo, to_facet_frame(p, w), p.alphas, min(p.anisotropy, 1.0f));
+        e = anisotropic_albedo(albedo, to_facet_frame(p, w), p.alphas, min(p.anisotropy, 1.0f));
+    else
+        e = ggx_albedo(albedo, w.z, p.alphas.x);
     float edge = schlick_weight(w.z);
 
     if (metallic > 0.0f) {
@@ -129,14 +131,14 @@ SNELL_FN_COLD PrincipledPoint resolve_principled(FloatArray albedo, SNELL_IN(Pri
     }
     if (metallic < 1.0f) {
         float f90 = clamp(p.specular, 0.0f, 1.0f);
-        vec3 plain_f0 = min(f0_of_ior(p.ior) * max(p.specular_color, 0.0f), 1.0f) * f90;
+        vec3 plain_f0 = min(f0_of_ior(max(p.ior, 0.0f)) * max(p.specular_color, 0.0f), 1.0f) * f90;
         vec3 f0 = plain_f0;
         if (p.iridescence > 0.0f && (!solid || transmission < 1.0f)) {
             vec3 film = film_reflectance(min(w.z, 1.0f), p.iridescence_ior, p.iridescence_thickness, f0);
             f0 = mix(f0, f0_behind(film, f90, edge), min(p.iridescence, 1.0f));
         }
         float weight = below * (1.0f - metallic);
-        if (transmission > 0.0f) resolve_glass(albedo, p, w, alpha, weight * transmission, plain_f0, f0, e);
+        if (transmission > 0.0f) resolve_glass(albedo, p, w, solid, weight * transmission, plain_f0, f0, e);
         weight *= 1.0f - transmission;
         if (weight > 0.0f) {
             vec3 gain = weight * scattering_gain(f0, e.x);

@@ -134,12 +134,29 @@ float sheen_entry(const std::vector<LatticePoint>& points, const Node& at)
     return static_cast<float>(std::log(std::max(sum * 2.0 * static_cast<double>(pi), 1e-20)));
 }
 
-// albedo_anisotropic; the isotropic tables are done.
-std::vector<float> anisotropic_table(const std::vector<float>& common)
+// Albedos x and y as ggx_entry's, but y not yet over x.
+vec2 anisotropic_entry(const std::vector<LatticePoint>& points, vec3 wo, vec2 alphas)
+{
+    const float lambda = anisotropic_lambda(wo, alphas);
+    double whole = 0, edge = 0;
+    for (const LatticePoint& p : points) {
+        const vec3 h = sample_anisotropic_visible(wo, alphas, p.u);
+        const float cos_h = dot(wo, h);
+        const vec3 wi = 2.0f * cos_h * h - wo;
+        if (wi.z <= 0.0f) continue;
+        const float g = (1.0f + lambda) / (1.0f + lambda + anisotropic_lambda(wi, alphas));
+        whole += p.weight * static_cast<double>(g);
+        edge += p.weight * static_cast<double>(g * schlick_weight(cos_h));
+    }
+    return {static_cast<float>(whole), static_cast<float>(edge)};
+}
+
+// The two anisotropic tables, one after the other; the isotropic ones are done.
+std::vector<float> anisotropic_tables(const std::vector<float>& common)
 {
     const std::vector<LatticePoint> points = lattice(377, 233);
     const FloatArray isotropic{common.data()};
-    std::vector<float> values(anisotropic_length);
+    std::vector<float> values(2 * anisotropic_length);
     parallel_for(anisotropic_length, [&](std::size_t i) {
         std::size_t rest = i;
         const auto next = [&](uint n) { return std::exchange(rest, rest / n) % n; };
@@ -149,21 +166,14 @@ std::vector<float> anisotropic_table(const std::vector<float>& common)
         const float strength =
             static_cast<float>(next(anisotropic_strengths)) / static_cast<float>(anisotropic_strengths - 1);
         const vec2 alphas = max(principled_alphas(across, strength), vec2(smallest_alpha));
-        const float r = safe_sqrt(1.0f - c * c);
         // the azimuth along which the roughness is so far between the two
         const float seen = alphas.y + (alphas.x - alphas.y) * turn;
         const float x2 = alphas.x > alphas.y ? (sqr(seen) - sqr(alphas.y)) / (sqr(alphas.x) - sqr(alphas.y)) : turn;
-        const vec3 wo(r * safe_sqrt(x2), r * safe_sqrt(1.0f - x2), c);
-        const float lambda = anisotropic_lambda(wo, alphas);
-        double whole = 0;
-        for (const LatticePoint& p : points) {
-            const vec3 h = sample_anisotropic_visible(wo, alphas, p.u);
-            const vec3 wi = 2.0f * dot(wo, h) * h - wo;
-            if (wi.z > 0.0f)
-                whole +=
-                    p.weight * static_cast<double>((1.0f + lambda) / (1.0f + lambda + anisotropic_lambda(wi, alphas)));
-        }
-        values[i] = static_cast<float>(whole) / ggx_albedo(isotropic, c, 0.5f * (alphas.x + alphas.y)).x;
+        const float r = safe_sqrt(1.0f - c * c), mean = 0.5f * (alphas.x + alphas.y);
+        const vec2 e = anisotropic_entry(points, vec3(r * safe_sqrt(x2), r * safe_sqrt(1.0f - x2), c), alphas);
+        values[i] = e.x / look_up_rough_albedo(isotropic, albedo_ggx, c, mean);
+        values[anisotropic_length + i] =
+            std::pow(e.y / e.x, 0.2f) - look_up_rough_albedo(isotropic, albedo_ggx_edge, c, mean);
     });
     return values;
 }
@@ -171,7 +181,8 @@ std::vector<float> anisotropic_table(const std::vector<float>& common)
 std::vector<float> common_tables()
 {
     const std::vector<LatticePoint> points = lattice(610, 377);
-    std::vector<float> values(albedo_length, 1.0f);
+    std::vector<float> values(albedo_length);
+    std::fill_n(values.begin() + albedo_anisotropic, anisotropic_length, 1.0f);
     parallel_for(albedo_table_length, [&](std::size_t i) {
         const vec2 ggx = ggx_entry(points, node_of(i));
         values[albedo_ggx + i] = ggx.x;
@@ -230,7 +241,7 @@ AlbedoTables albedo_tables(std::span<const float> iors, bool anisotropic)
     AlbedoTables result;
     result.values = common;
     if (anisotropic) {
-        static const std::vector<float> table = anisotropic_table(common);
+        static const std::vector<float> table = anisotropic_tables(common);
         std::copy(table.begin(), table.end(), result.values.begin() + albedo_anisotropic);
     }
 
