@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstring>
+#include <initializer_list>
 
 namespace snell {
 namespace {
@@ -97,7 +98,7 @@ TEST(Ply, AllFormatsWithEverythingInThem)
         EXPECT_NEAR(mesh.colors[0].y, 0.2158605f, 1e-5f); // byte 128 by the sRGB curve
         EXPECT_EQ(mesh.colors[0].z, 0.0f);
         EXPECT_EQ(scene.materials.at(0).base_color, vec3(1.0f));
-        EXPECT_TRUE(has_note(scene, "not used: confidence, edge, face's flags, face's texcoord"));
+        EXPECT_TRUE(has_note(scene, "not used: confidence, edge, face's flags"));
     }
 }
 
@@ -131,7 +132,7 @@ TEST(Ply, Dialects)
              "property float texture_u\nproperty float texture_v\n"
              "element face 1\nproperty list uchar int vertex_indices\nend_header\n"
              "0 0 0 .5 .25 1 .1 .2\n1 0 0 0 0 0 0 0\n0 1 0 0 0 0 0 0\n3 0 1 2\n");
-    EXPECT_EQ(colored.meshes[0].colors.at(0), vec3(0.5f, 0.25f, 1.0f));
+    EXPECT_EQ(colored.meshes[0].colors.at(0), vec4(0.5f, 0.25f, 1.0f, 1.0f));
     EXPECT_EQ(colored.meshes[0].uvs.at(0), vec2(0.1f, 0.2f));
 }
 
@@ -146,6 +147,142 @@ TEST(Ply, PolygonsAndFacesBeforeVertices)
     EXPECT_EQ(scene.meshes[0].triangles.size(), 4u);
     EXPECT_NEAR(mesh_area(scene.meshes[0]), 5.0, 1e-6); // an L: a fan would have more
     EXPECT_TRUE(has_note(scene, "2 faces have less than three vertices"));
+}
+
+std::string wedge_file(const std::string& comments, const std::string& faces, const char* texnumber = "")
+{
+    return "ply\nformat ascii 1.0\n" + comments +
+           "element vertex 4\nproperty float x\nproperty float y\nproperty float z\nelement face 2\n"
+           "property list uchar int vertex_indices\nproperty list uchar float texcoord\n" +
+           texnumber + "end_header\n0 0 0\n1 0 0\n1 1 0\n0 1 0\n" + faces;
+}
+
+TEST(Ply, TextureCoordinatesByCorner)
+{
+    const Folder folder;
+    // The triangles agree about vertex 0, not about vertex 2.
+    const Mesh mesh = load_scene(folder.write("a.ply", wedge_file("", "3 0 1 2 6 .5 .5 1 0 1 1\n"
+                                                                      "3 0 2 3 6 .5 .5 .25 1 0 1\n")))
+                          .meshes[0];
+    ASSERT_EQ(mesh.positions.size(), 5u);
+    ASSERT_EQ(mesh.uvs.size(), 5u);
+    EXPECT_EQ(mesh.triangles[0].x, mesh.triangles[1].x);
+    EXPECT_EQ(mesh.uvs[mesh.triangles[0].z], vec2(1, 1));
+    EXPECT_EQ(mesh.uvs[mesh.triangles[1].y], vec2(0.25f, 1));
+    EXPECT_EQ(mesh.positions[mesh.triangles[0].z], mesh.positions[mesh.triangles[1].y]);
+    // A quad, and a face without coordinates.
+    const Mesh mixed =
+        load_scene(folder.write("a.ply", wedge_file("", "4 0 1 2 3 8 0 0 1 0 1 1 0 1\n3 0 1 2 0\n"))).meshes[0];
+    EXPECT_EQ(mixed.triangles.size(), 3u);
+    EXPECT_EQ(mixed.positions.size(), 7u);
+    // None at all: vertices stay as they were.
+    const Mesh none_given = load_scene(folder.write("a.ply", wedge_file("", "4 0 1 2 3 0\n3 0 1 2 0\n"))).meshes[0];
+    EXPECT_EQ(none_given.positions.size(), 4u);
+    EXPECT_TRUE(none_given.uvs.empty());
+}
+
+TEST(Ply, TexturesNamedByComments)
+{
+    const Folder folder;
+    const std::string tga("\0\0\2\0\0\0\0\0\0\0\0\0\1\0\1\0\x18\0\0\0\xff", 21);
+    folder.write("red one.tga", tga);
+    const std::string comments = "comment TextureFile red one.tga\ncomment TextureFile lost.png\n";
+    const Scene scene = load_scene(
+        folder.write("a.ply", wedge_file(comments, "3 0 1 2 6 0 0 1 0 1 1 1\n4 0 1 2 3 8 0 0 1 0 1 1 0 1 0\n",
+                                         "property int texnumber\n")));
+    ASSERT_EQ(scene.materials.size(), 2u);
+    const Mesh& mesh = scene.meshes[0];
+    ASSERT_EQ(mesh.triangle_materials.size(), 3u);
+    EXPECT_EQ(scene.materials[mesh.triangle_materials[0].value].name, "lost.png");
+    EXPECT_EQ(scene.materials[mesh.triangle_materials[2].value].name, "red one.tga");
+    EXPECT_EQ(scene.images[scene.materials[0].base_texture.image.value].width, 1u);
+    EXPECT_EQ(scene.images[scene.materials[1].base_texture.image.value].width, 8u);
+    EXPECT_TRUE(has_note(scene, "lost.png: no such file; check the path; a magenta checkerboard"));
+}
+
+TEST(Ply, HeaderInAnyOrderAndUtf16)
+{
+    const Folder folder;
+    const std::string odd = "ply\nobj_info made in a hurry\nelement vertex 3\nproperty float z\nproperty uchar alpha\n"
+                            "comment y comes before x\nproperty double y\nproperty uchar blue\nproperty uchar green\n"
+                            "property uchar red\nproperty int x\nelement face 1\n"
+                            "property list int int vertex_index\nformat ascii 1.0\nend_header\n"
+                            "7 51 0 0 0 255 0\n7 51 0 0 0 255 1\n7 51 1 0 0 255 0 3 0 1 2";
+    const Mesh mesh = load_scene(folder.write("a.ply", odd)).meshes[0];
+    EXPECT_EQ(mesh.positions[1], vec3(1, 0, 7));
+    ASSERT_EQ(mesh.colors.size(), 3u);
+    EXPECT_NEAR(mesh.colors[0].w, 0.2f, 1e-6f);
+    EXPECT_EQ(mesh.colors[0].x, 1.0f);
+    std::string wide = "\xff\xfe";
+    for (const char c : odd) wide += c, wide += '\0';
+    EXPECT_EQ(triangle_count(load_scene(folder.write("a.ply", wide))), 1u);
+}
+
+// Large files come in several windows, and faces of several sizes in several batches.
+TEST(Ply, LargeFilesOfMixedFaces)
+{
+    constexpr int width = 300;
+    const Folder folder;
+    for (const char* format : {"ascii", "binary_little_endian", "binary_big_endian"}) {
+        SCOPED_TRACE(format);
+        const bool is_ascii = std::string(format) == "ascii";
+        std::size_t faces = 0;
+        Bytes body(std::string(format) == "binary_big_endian");
+        std::string text;
+        for (int y = 0; y <= width; ++y)
+            for (int x = 0; x <= width; ++x) {
+                if (is_ascii)
+                    text += fmt::format("{} {} 0 0.125\n", x, y);
+                else
+                    body.add(static_cast<float>(x)).add(static_cast<float>(y)).add(0.0f).add(0.125);
+            }
+        for (int y = 0; y < width; ++y)
+            for (int x = 0; x < width; ++x) {
+                const int a = y * (width + 1) + x, b = a + 1, c = b + width + 1, d = c - 1;
+                const auto add = [&](std::initializer_list<int> corners) {
+                    ++faces;
+                    if (is_ascii) {
+                        text += fmt::format("{} {}\n", corners.size(), fmt::join(corners, " "));
+                        return;
+                    }
+                    body.add(static_cast<std::uint8_t>(corners.size()));
+                    for (const int corner : corners) body.add(corner);
+                };
+                // Rows of quads, rows of triangles, and rows where they alternate.
+                if (y % 3 == 0 || (y % 3 == 1 && x % 2 == 0))
+                    add({a, b, c, d});
+                else
+                    add({a, b, c}), add({a, c, d});
+            }
+        const std::string header =
+            fmt::format("ply\nformat {} 1.0\nelement vertex {}\nproperty float x\nproperty float y\n"
+                        "property float z\nproperty double w\nelement face {}\n"
+                        "property list uchar int vertex_indices\nend_header\n",
+                        format, (width + 1) * (width + 1), faces);
+        const std::string bytes = header + (is_ascii ? text : body.bytes);
+        const Mesh mesh = load_scene(folder.write("a.ply", bytes)).meshes[0];
+        EXPECT_EQ(mesh.triangles.size(), std::size_t{2} * width * width);
+        EXPECT_NEAR(mesh_area(mesh), width * width, 1e-3);
+        for (std::size_t i = 0; i < mesh.triangles.size(); ++i) ASSERT_EQ(triangle_normal(mesh, i), vec3(0, 0, 1));
+        EXPECT_NE(load_error(folder.write("b.ply", bytes.substr(0, bytes.size() - 14))), "");
+    }
+}
+
+TEST(Ply, WrongIndexInALargeBinaryFileIsFoundWhereItIs)
+{
+    const Folder folder;
+    Bytes body(false);
+    for (int i = 0; i < 9; ++i) body.add(static_cast<float>(i % 4));
+    constexpr int count = 20000, wrong = 15000;
+    for (int i = 0; i < count; ++i) body.add(std::uint8_t{3}).add(0).add(1).add(i == wrong ? 3 : 2);
+    const std::string header = fmt::format(
+        "ply\nformat binary_little_endian 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n"
+        "element face {}\nproperty list uchar int vertex_indices\nend_header\n",
+        count);
+    const std::size_t at = header.size() + 36 + 13 * (wrong + 1);
+    EXPECT_NE(load_error(folder.write("a.ply", header + body.bytes))
+                  .find(fmt::format("vertex 3 is referred to, but there are 3, counted from 0, at byte {}", at)),
+              std::string::npos);
 }
 
 TEST(Ply, TriangleStrips)
