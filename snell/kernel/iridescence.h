@@ -43,12 +43,13 @@ SNELL_FN vec3 film_sensitivity(float path_difference, vec3 shift)
 
 // Reflectance of a film in air on a base.
 //   cos_i      in air, in [0, 1]
-//   film_ior   >= 1; thickness in nanometres, >= 0: below 0.03 nm the film fades away
+//   film_ior   >= 1; thickness in nanometres, >= 0: below 0.03 nm the film fades away, and 0 is no film
 //   base_f0    reflectance of the base in air at normal incidence, in [0, 1]
 // The result is in [0, 1].
 SNELL_FN_COLD vec3 film_reflectance(float cos_i, float film_ior, float thickness, vec3 base_f0)
 {
     float d = clamp(thickness, 0.0f, 1e5f); // so thick a film shows no colours any more
+    if (d == 0.0f) return base_f0 + (1.0f - base_f0) * schlick_weight(cos_i);
     float fade = min(d / 0.03f, 1.0f);
     float ior = 1.0f + max(film_ior - 1.0f, 0.0f) * fade * fade * (3.0f - 2.0f * fade);
     float sin2_t = (1.0f - cos_i * cos_i) / (ior * ior);

@@ -218,7 +218,8 @@ SNELL_FN_COLD BsdfSample sample_coat(SNELL_IN(PrincipledPoint) p, vec3 wo, vec2 
     }
     float cos_o = dot(wo, h);
     vec3 wi = normalize(2.0f * cos_o * h - wo);
-    if (wi.z <= 0.0f) return s;
+    // below the coat or the surface
+    if (wi.z <= 0.0f || dot(wi, p.clearcoat_normal) <= 0.0f) return s;
     if (p.clearcoat_alpha == 0.0f) {
         float f = clearcoat_f0 + (1.0f - clearcoat_f0) * schlick_weight(cos_o);
         return principled_delta(wi, vec3(p.coat * f), p.p_coat);
