@@ -3,6 +3,7 @@
 #include "snell/core/error.h"
 #include "snell/core/text.h"
 #include "snell/io/file.h"
+#include "snell/io/gltf/gltf.h"
 #include "snell/io/obj/obj.h"
 #include "snell/io/ply/ply.h"
 #include "snell/io/stl/stl.h"
@@ -26,12 +27,14 @@ Scene load_scene(const std::filesystem::path& file, const LoadOptions& options)
 {
     const std::string extension = scene_extension(file);
     Scene scene;
-    if (extension == ".obj")
-        scene = load_obj(file);
+    if (extension == ".gltf" || extension == ".glb")
+        scene = load_gltf(file, options);
+    else if (extension == ".obj")
+        scene = load_obj(file, options);
     else if (extension == ".ply")
-        scene = load_ply(file);
+        scene = load_ply(file, options);
     else if (extension == ".stl")
-        scene = load_stl(file);
+        scene = load_stl(file, options);
     else {
         std::error_code error;
         if (!std::filesystem::exists(file, error)) throw Error({file.string()}, "no such file", "check the path");

@@ -36,6 +36,7 @@ Raster decode_hdr(const std::filesystem::path& file, std::string_view bytes);
 Raster decode_pfm(const std::filesystem::path& file, std::string_view bytes);
 Raster decode_jpeg(const std::filesystem::path& file, std::string_view bytes);
 Raster decode_tga(const std::filesystem::path& file, std::string_view bytes);
+Raster decode_webp(const std::filesystem::path& file, std::string_view bytes);
 Raster decode_bmp(const std::filesystem::path& file, std::string_view bytes);
 
 // Encoders, each replacing `file` atomically.

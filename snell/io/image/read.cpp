@@ -37,9 +37,8 @@ bool begins_with(std::string_view bytes, std::string_view magic)
 }
 
 // By content, because endings in the wild are often wrong; TGA has no mark of its own, so there the ending decides.
-Raster decode(const fs::path& file, bool is_color)
+Raster decode(const fs::path& file, std::string_view bytes, bool is_color)
 {
-    std::string bytes = read_file(file);
     if (bytes.empty()) throw Error({file.string()}, "the file is empty", "write it again");
     try {
         if (begins_with(bytes, "\x76\x2f\x31\x01")) return decode_exr(file, bytes, is_color);
@@ -47,12 +46,15 @@ Raster decode(const fs::path& file, bool is_color)
         if (begins_with(bytes, "\xff\xd8")) return decode_jpeg(file, bytes);
         if (begins_with(bytes, "#?")) return decode_hdr(file, bytes);
         if (begins_with(bytes, "PF") || begins_with(bytes, "Pf")) return decode_pfm(file, bytes);
+        if (begins_with(bytes, "RIFF") && bytes.size() > 12 && bytes.substr(8, 4) == "WEBP")
+            return decode_webp(file, bytes);
         if (lower_extension(file) == ".tga") return decode_tga(file, bytes);
         if (begins_with(bytes, "BM")) return decode_bmp(file, bytes);
     } catch (const std::bad_alloc&) {
         throw Error({file.string()}, "the picture does not fit into memory", "scale it down");
     }
-    throw Error({file.string()}, "is not a picture of a known kind", "use .exr, .hdr, .pfm, .png, .jpg, .tga or .bmp");
+    throw Error({file.string()}, "is not a picture of a known kind",
+                "use .exr, .hdr, .pfm, .png, .jpg, .webp, .tga or .bmp");
 }
 
 // Linear value of each encoded one.
@@ -71,7 +73,7 @@ const std::array<float, N>& srgb_table()
 
 Picture read_picture(const fs::path& file)
 {
-    Raster raster = decode(file, true);
+    Raster raster = decode(file, read_file(file), true);
     Picture picture;
     picture.width = raster.width;
     picture.height = raster.height;
@@ -97,7 +99,12 @@ Picture read_picture(const fs::path& file)
 
 Image read_texture(const fs::path& file, bool is_color)
 {
-    Raster raster = decode(file, is_color);
+    return read_texture(read_file(file), file, is_color);
+}
+
+Image read_texture(std::string_view bytes, const fs::path& file, bool is_color)
+{
+    Raster raster = decode(file, bytes, is_color);
     Image image;
     image.name = file.filename().string();
     image.width = static_cast<uint>(raster.width);
