@@ -14,6 +14,8 @@ namespace fs = std::filesystem;
 namespace snell::gltf {
 namespace {
 
+constexpr const char* is_ktx2 = "is KTX2 with Basis compression, which cannot be read; export it as PNG, JPEG or WebP";
+
 bool is_color(Content content)
 {
     return content == Content::color || content == Content::alpha;
@@ -103,8 +105,7 @@ Index<Image> Images::want(int texture, Content content, std::optional<float> glo
     const auto [entry, is_new] = known_.try_emplace(key, Index<Image>{static_cast<uint>(wanted_.size())});
     if (!is_new) return entry->second;
     Wanted wanted{source, content, glossiness, {}, {}, {}};
-    if (is_basis)
-        wanted.missing = "is KTX2 with Basis compression, which cannot be read; export it as PNG, JPEG or WebP";
+    if (is_basis) wanted.missing = is_ktx2;
     if (source < 0) wanted.missing = "names no picture";
     locate(wanted, texture);
     wanted_.push_back(std::move(wanted));
@@ -136,6 +137,13 @@ void Images::locate(Wanted& wanted, int texture)
     wanted.file = file;
 }
 
+// Throws Error with a clear message for what only few programs can read.
+Image Images::decode_bytes(const Wanted& wanted, std::string_view bytes, const fs::path& name) const
+{
+    if (bytes.starts_with("\xabKTX 20\xbb")) throw Error(fmt::format("the texture '{}' {}", wanted.name, is_ktx2));
+    return read_texture(bytes, name, is_color(wanted.content));
+}
+
 Image Images::load(const Wanted& wanted)
 {
     const ImageSource& source = document_.images[static_cast<std::size_t>(wanted.source)];
@@ -143,10 +151,10 @@ Image Images::load(const Wanted& wanted)
     if (!wanted.file.empty()) {
         const std::string bytes = read_file(wanted.file);
         budget_.allow(bytes.size());
-        return read_texture(bytes, wanted.file, is_color(wanted.content));
+        return decode_bytes(wanted, bytes, wanted.file);
     }
-    if (!source.uri.empty()) return read_texture(decode_data_uri(source.uri, ""), who, is_color(wanted.content));
-    return read_texture(buffers_.view(source.view, who), who, is_color(wanted.content));
+    if (!source.uri.empty()) return decode_bytes(wanted, decode_data_uri(source.uri, ""), who);
+    return decode_bytes(wanted, buffers_.view(source.view, who), who);
 }
 
 void Images::decode(Scene& scene, Remarks& remarks, const std::function<void(double)>& progress)

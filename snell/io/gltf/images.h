@@ -54,6 +54,7 @@ class Images
     Index<Image> want(int texture, Content content, std::optional<float> glossiness, const std::string& who);
     void locate(Wanted& wanted, int texture);
     Image load(const Wanted& wanted);
+    Image decode_bytes(const Wanted& wanted, std::string_view bytes, const std::filesystem::path& name) const;
 
     const Document& document_;
     const Buffers& buffers_;

@@ -128,7 +128,8 @@ class Placer
         if (use.group.valid()) place_group(use.group, number);
         if (!morphing.meshes.empty()) place_group(add(scene_, std::move(morphing)), number);
         // A skinned mesh is where its joints are, wherever its node is.
-        if (!skinned.meshes.empty()) add(scene_, InstanceDesc{node.name, add(scene_, std::move(skinned)), {}, {}});
+        if (!skinned.meshes.empty())
+            add(scene_, InstanceDesc{node.name, add(scene_, std::move(skinned)), identity_transform(), {}});
     }
 
     Index<Mesh> add_rigged(Primitive primitive, std::size_t node, int skin)
