@@ -1,0 +1,201 @@
+// Camera, film, sampler and integrator: what stands before WorldBegin.
+#include "snell/io/pbrt/loader.h"
+#include "snell/io/text_cursor.h"
+
+#include <cmath>
+
+namespace snell::pbrt {
+namespace {
+
+constexpr float degree = 0.01745329252f;
+
+// What a window of the screen other than the usual one does to the field of view.
+float window_fov(Loader& loader, const Parameter& window, float fov, float aspect)
+{
+    const std::vector<float>& w = window.numbers;
+    if (w.size() != 4 || !(w[1] > w[0]) || !(w[3] > w[2]) || !std::isfinite(w[0] + w[1] + w[2] + w[3])) {
+        loader.warn(window.spot, "screenwindow",
+                    "\"float screenwindow\" has no left, right, bottom and top; it is ignored");
+        return fov;
+    }
+    const float width = w[1] - w[0], height = w[3] - w[2];
+    if (std::abs(w[0] + w[1]) > 1e-3f * width || std::abs(w[2] + w[3]) > 1e-3f * height)
+        loader.warn(window.spot, "screenwindow centre",
+                    "a screenwindow that is not centred (a shifted lens) is centred: the picture moves");
+    if (std::abs(width / height / aspect - 1.0f) > 1e-3f)
+        loader.warn(window.spot, "screenwindow shape",
+                    "a screenwindow of another shape than the picture would stretch it: its shorter side counts");
+    return std::atan(std::tan(0.5f * fov * degree) * 0.5f * std::min(width, height)) * 2.0f / degree;
+}
+
+} // namespace
+
+void set_camera(Loader& loader, const std::string& type, const ParameterList& parameters)
+{
+    const Spot spot = parameters.spot;
+    loader.coordinate_systems["camera"] = loader.state.ctm;
+    const std::optional<Matrix> to_world = invert(loader.ctm());
+    if (!to_world)
+        throw Error(spot.place(), "the transform of the camera has no inverse", "check the directives before");
+    std::array<Matrix, 2>& from_camera = loader.coordinate_systems["camera"];
+    from_camera[0] = *to_world;
+    from_camera[1] = invert(loader.state.ctm[1]).value_or(*to_world);
+    if (loader.state.ctm[0] != loader.state.ctm[1])
+        loader.warn(spot, "moving camera", "the camera moves; it stands where it is when the shutter opens");
+
+    const vec3 eye = transform_point(*to_world, vec3(0.0f));
+    const vec3 view = transform_vector(*to_world, vec3(0, 0, 1)), up = transform_vector(*to_world, vec3(0, 1, 0));
+    const vec3 right = transform_vector(*to_world, vec3(1, 0, 0));
+    CameraDesc camera;
+    camera.name = parameters.text("name");
+    camera.eye = eye;
+    camera.target = eye + normalize(view);
+    camera.up = normalize(up);
+    camera.mirrored = dot(cross(view, up), right) < 0.0f;
+
+    loader.screen_window.reset();
+    float& frame = loader.frame_aspect;
+    frame = 0.0f;
+    float fov = parameters.number("fov", 90.0f);
+    if (const std::optional<float> half = parameters.number("halffov"); half && !parameters.has("fov")) fov = 2 * *half;
+    if (type == "perspective") {
+        if (const Parameter* window = parameters.find("screenwindow")) loader.screen_window = *window;
+        frame = parameters.number("frameaspectratio", 0.0f);
+        if (parameters.number("lensradius", 0.0f) > 0.0f)
+            loader.warn(spot, "lens", "the camera's lens is left out: everything is sharp");
+        parameters.ignore({"focaldistance", "shutteropen", "shutterclose", "frameaspectratio"});
+    } else {
+        loader.warn(spot, "camera " + type,
+                    fmt::format("the camera {} is not there; a perspective one stands in for it", show_word(type)));
+        if (type == "spherical" || type == "environment") fov = 90.0f;
+        if (type == "realistic") fov = 40.0f;
+        if (type == "orthographic") {
+            // From so far that the picture shows about the same.
+            float half = 1.0f;
+            if (const Parameter* window = parameters.find("screenwindow"); window && window->numbers.size() == 4)
+                half = 0.5f * std::min(std::abs(window->numbers[1] - window->numbers[0]),
+                                       std::abs(window->numbers[3] - window->numbers[2]));
+            fov = 40.0f;
+            const float distance = half * length(up) / std::tan(0.5f * fov * degree);
+            camera.eye -= normalize(view) * (std::isfinite(distance) ? distance : 0.0f);
+        }
+        for (const Parameter& parameter : parameters.all()) parameter.used = true;
+    }
+    if (!(fov > 0.0f) || !(fov < 180.0f)) {
+        loader.warn(spot, "fov", fmt::format("a field of view of {} degrees is none; it becomes 90", fov));
+        fov = 90.0f;
+    }
+    camera.fov_degrees = fov;
+    parameters.report_unused(fmt::format("Camera \"{}\"", type.substr(0, 40)), loader.notes);
+
+    // The last one counts, as in pbrt; those with a name are all kept.
+    std::vector<CameraDesc>& cameras = loader.scene.cameras;
+    if (camera.name.empty()) std::erase_if(cameras, [](const CameraDesc& other) { return other.name.empty(); });
+    cameras.push_back(camera);
+}
+
+void finish_options(Loader& loader)
+{
+    RenderHints& hints = loader.scene.hints;
+    if (loader.in_world && !hints.integrator) hints.integrator = "path", hints.max_depth = 5; // pbrt's default
+    if (loader.scene.cameras.empty()) return;
+    CameraDesc& camera = loader.scene.cameras.back();
+    const float width = static_cast<float>(hints.width.value_or(1280));
+    const float aspect = width / static_cast<float>(hints.height.value_or(720));
+    if (loader.screen_window)
+        camera.fov_degrees = window_fov(loader, *loader.screen_window, camera.fov_degrees, aspect);
+    if (loader.frame_aspect > 0.0f && std::abs(loader.frame_aspect / aspect - 1.0f) > 1e-3f)
+        loader.warn({}, "frame", "the camera's frameaspectratio is not that of the picture; it is ignored");
+}
+
+void set_film(Loader& loader, const std::string& type, const ParameterList& parameters)
+{
+    RenderHints& hints = loader.scene.hints;
+    constexpr int largest = 1 << 16;
+    const auto size = [&](std::string_view name, int otherwise) {
+        const int value = parameters.integer(name, otherwise);
+        if (value > 0 && value <= largest) return value;
+        loader.warn(parameters.spot, "film size",
+                    fmt::format("a picture of {} pixels a side is none; {} is taken", value, otherwise));
+        return otherwise;
+    };
+    hints.width = size("xresolution", loader.is_v3 ? 640 : 1280);
+    hints.height = size("yresolution", loader.is_v3 ? 480 : 720);
+    if (const std::string name = parameters.text("filename"); !name.empty()) hints.output = name;
+    if (const std::span<const float> crop = parameters.numbers("cropwindow"); crop.size() == 4) {
+        std::array<float, 4> c{};
+        for (std::size_t i = 0; i < 4; ++i) c[i] = clamp(std::isnan(crop[i]) ? 0.0f : crop[i], 0.0f, 1.0f);
+        if (c[0] < c[1] && c[2] < c[3]) hints.crop_window = c;
+    }
+    if (const std::span<const int> bounds = parameters.integers("pixelbounds"); bounds.size() == 4) {
+        std::array<float, 4> c{};
+        for (std::size_t i = 0; i < 4; ++i)
+            c[i] = clamp(static_cast<float>(bounds[i]) / static_cast<float>(i < 2 ? *hints.width : *hints.height), 0.0f,
+                         1.0f);
+        if (c[0] < c[1] && c[2] < c[3]) hints.crop_window = c;
+    }
+    const float iso = parameters.number("iso", 100.0f), seconds = parameters.number("exposuretime", 1.0f);
+    const float scale = parameters.number("scale", 1.0f); // v3
+    const float exposure = iso / 100.0f * seconds * scale;
+    if (std::isfinite(exposure) && exposure > 0.0f) loader.exposure = exposure;
+    if (loader.exposure != 1.0f)
+        loader.inform(parameters.spot, "exposure",
+                      fmt::format("the film's exposure of {} is applied to the lights", loader.exposure));
+    if (const std::string sensor = parameters.text("sensor", "cie1931"); sensor != "cie1931")
+        loader.warn(parameters.spot, "sensor",
+                    fmt::format("the colours of the sensor {} are not imitated", show_word(sensor)));
+    if (parameters.number("whitebalance", 0.0f) > 0.0f)
+        loader.warn(parameters.spot, "whitebalance", "white balance is left to post-processing");
+    parameters.ignore({"diagonal", "savefp16", "maxcomponentvalue", "maxsampleluminance", "display", "fstop",
+                       "coordinatesystem", "nbuckets", "lambdamin", "lambdamax", "buckets", "filterimportance"});
+    parameters.report_unused(fmt::format("Film \"{}\"", type.substr(0, 40)), loader.notes);
+}
+
+void set_sampler(Loader& loader, const std::string& type, const ParameterList& parameters)
+{
+    RenderHints& hints = loader.scene.hints;
+    int spp = parameters.integer("pixelsamples", 16);
+    if (type == "stratified") {
+        const long long x = parameters.integer("xsamples", 4), y = parameters.integer("ysamples", 4);
+        spp = static_cast<int>(std::clamp<long long>(x > 0 && y > 0 ? x * y : 16, 1, 1 << 24));
+    }
+    if (spp > 0) hints.spp = static_cast<uint>(spp);
+    if (const std::optional<int> seed = parameters.integer("seed")) hints.seed = static_cast<uint>(*seed);
+    hints.sampler = type == "random" || type == "independent" ? "independent" : "sobol";
+    parameters.ignore({"randomization", "dimensions", "jitter", "scramble", "samplepixelcenter"});
+    parameters.report_unused(fmt::format("Sampler \"{}\"", type.substr(0, 40)), loader.notes);
+}
+
+void set_filter(Loader& loader, const std::string&, const ParameterList& parameters)
+{
+    loader.inform(parameters.spot, "filter", "pixels are means over their own square: PixelFilter is ignored");
+}
+
+void set_accelerator(Loader& loader, const std::string&, const ParameterList& parameters)
+{
+    loader.inform(parameters.spot, "accelerator", "Accelerator is ignored: the command line chooses one");
+}
+
+void set_integrator(Loader& loader, const std::string& type, const ParameterList& parameters)
+{
+    RenderHints& hints = loader.scene.hints;
+    hints.integrator = "path";
+    if (type == "whitted")
+        hints.integrator = "whitted";
+    else if (type == "ambientocclusion" || type == "ao")
+        hints.integrator = "ao";
+    else if (type != "path" && type != "volpath" && type != "simplepath" && type != "simplevolpath")
+        loader.inform(parameters.spot, "integrator",
+                      fmt::format("the integrator {} is not there; path is taken", show_word(type)));
+    // pbrt ends paths after 5 bounces unless told otherwise.
+    int depth = parameters.integer("maxdepth", 5);
+    if (depth <= 0) {
+        loader.warn(parameters.spot, "maxdepth", "a maxdepth of 0 shows lights alone; 1 is taken");
+        depth = 1;
+    }
+    if (*hints.integrator != "ao") hints.max_depth = static_cast<uint>(depth);
+    for (const Parameter& parameter : parameters.all())
+        parameter.used = true; // all others are of that integrator alone
+}
+
+} // namespace snell::pbrt
