@@ -66,8 +66,23 @@ enum class Fault : std::uint8_t
     area
 };
 
+// What nearly all triangles pass: corners that are there, and an area far above the rounding of floats. Three times as
+// fast as looking closely.
+static bool is_plainly_good(const Mesh& mesh, uvec3 t)
+{
+    const std::size_t vertices = mesh.positions.size();
+    if (t.x >= vertices || t.y >= vertices || t.z >= vertices) return false;
+    const vec3 a = mesh.positions[t.x], b = mesh.positions[t.y], c = mesh.positions[t.z];
+    const vec3 e1 = b - a, e2 = c - a;
+    const float size4 = dot(e1, e1) * dot(e2, e2);
+    const vec3 n = cross(e1, e2);
+    constexpr float sine2 = 1e-6f, smallest = 1e-30f, largest = 1e30f; // false for NaN
+    return dot(n, n) > sine2 * size4 && size4 > smallest && size4 < largest && is_seen(a) && is_seen(b) && is_seen(c);
+}
+
 static Fault triangle_fault(const Mesh& mesh, uvec3 t)
 {
+    if (is_plainly_good(mesh, t)) return Fault::no;
     const vec3 a = mesh.positions[t.x], b = mesh.positions[t.y], c = mesh.positions[t.z];
     if (!is_seen(a) || !is_seen(b) || !is_seen(c)) return Fault::position;
     const glm::dvec3 e1 = glm::dvec3(b) - glm::dvec3(a), e2 = glm::dvec3(c) - glm::dvec3(a);
@@ -153,7 +168,11 @@ std::vector<std::string> validate_mesh(Mesh& mesh, const std::string& who, std::
     check_length(who, "colours", mesh.colors.size(), vertices, "vertices");
     check_length(who, "triangle materials", mesh.triangle_materials.size(), mesh.triangles.size(), "triangles");
 
-    const std::size_t outside = find_first(mesh.triangles.size(), [&](std::size_t i) {
+    // One pass over a mesh without faults.
+    const std::size_t doubtful =
+        find_first(mesh.triangles.size(), [&](std::size_t i) { return !is_plainly_good(mesh, mesh.triangles[i]); });
+    const bool is_good = doubtful == mesh.triangles.size();
+    const std::size_t outside = is_good ? mesh.triangles.size() : find_first(mesh.triangles.size(), [&](std::size_t i) {
         const uvec3 t = mesh.triangles[i];
         return t.x >= vertices || t.y >= vertices || t.z >= vertices;
     });
@@ -179,7 +198,7 @@ std::vector<std::string> validate_mesh(Mesh& mesh, const std::string& who, std::
         if (count > 0) mended.push_back(fmt::format(fmt::runtime(count == 1 ? one : many), who, count));
     };
     std::size_t bad_positions = 0, no_area = 0;
-    drop_triangles(mesh, changes_shape, bad_positions, no_area);
+    if (!is_good) drop_triangles(mesh, changes_shape, bad_positions, no_area);
     say(bad_positions, "{}: dropped {} triangle with a vertex that is NaN, infinite or beyond 1e18",
         "{}: dropped {} triangles with a vertex that is NaN, infinite or beyond 1e18");
     say(no_area, "{}: dropped {} triangle without area", "{}: dropped {} triangles without area");
