@@ -10,17 +10,17 @@
 #include "snell/kernel/sheen.h"
 SNELL_BEGIN
 
-SNELL_CONST uint albedo_columns = 20u;
-SNELL_CONST uint albedo_rows = 32u;
-SNELL_CONST uint albedo_table_length = 640u; // their product
+SNELL_CONST uint albedo_columns = 58u;
+SNELL_CONST uint albedo_rows = 94u;
+SNELL_CONST uint albedo_table_length = 5452u; // their product
 
 // Where the tables lie in SceneView::albedo.
-SNELL_CONST uint albedo_ggx = 0u;            // GGX reflection where each facet is a perfect mirror
-SNELL_CONST uint albedo_ggx_edge = 640u;     // (that with Schlick's weight as reflectance, over the one above)^(1/5)
-SNELL_CONST uint albedo_sheen = 1280u;       // logarithm of eval_sheen's
-SNELL_CONST uint albedo_anisotropic = 1920u; // see anisotropic_albedo; all 1 where no material is anisotropic
-SNELL_CONST uint albedo_anisotropic_edge = 12000u; // likewise; all 0
-SNELL_CONST uint albedo_length = 22080u;           // of the tables that every scene has
+SNELL_CONST uint albedo_ggx = 0u;             // GGX reflection where each facet is a perfect mirror
+SNELL_CONST uint albedo_ggx_edge = 5452u;     // (that with Schlick's weight as reflectance, over the one above)^(1/5)
+SNELL_CONST uint albedo_sheen = 10904u;       // logarithm of eval_sheen's
+SNELL_CONST uint albedo_anisotropic = 16356u; // see anisotropic_albedo; all 1 where no material is anisotropic
+SNELL_CONST uint albedo_anisotropic_edge = 26436u; // likewise; all 0
+SNELL_CONST uint albedo_length = 36516u;           // of the tables that every scene has
 
 // The nodes of albedo_anisotropic, the fastest first: cosines and alphas as above, turns at equal steps of the
 // roughness along wo's azimuth, from the smaller to the greater; strengths at equal steps of the anisotropy.
@@ -32,52 +32,29 @@ SNELL_CONST uint anisotropic_length = 10080u; // their product
 
 // Rough glass of one ior has three tables more; where they begin: Principled::glass_table. F is Fresnel's reflectance
 // stretched so that it is 0 at normal incidence.
-SNELL_CONST uint glass_thin_side = 0u;        // reflected by F plus refracted by 1 - F, wo on the thinner side
-SNELL_CONST uint glass_thin_side_edge = 640u; // reflected by F less what F takes from refraction, likewise
-SNELL_CONST uint glass_dense_side = 1280u;    // as the first, wo on the denser side
-SNELL_CONST uint glass_tables_length = 1920u;
+SNELL_CONST uint glass_thin_side = 0u;         // reflected by F plus refracted by 1 - F, wo on the thinner side
+SNELL_CONST uint glass_thin_side_edge = 5452u; // reflected by F less what F takes from refraction, likewise
+SNELL_CONST uint glass_dense_side = 10904u;    // as the first, wo on the denser side
+SNELL_CONST uint glass_tables_length = 16356u;
 
-// A cubic through the middle two of four equally spaced values, with Catmull and Rom's slopes; x in [0, 1].
-SNELL_FN float cubic_between(float before, float a, float b, float after, float x)
+// The table that begins there at (x, y) in [0, 1]^2, bilinear: the tables are fine enough.
+SNELL_FN float look_up_albedo(FloatArray albedo, uint table, float x, float y)
 {
-    float slope_a = 0.5f * (b - before);
-    float slope_b = 0.5f * (after - a);
-    float d = b - a;
-    return a + x * (slope_a + x * (3.0f * d - 2.0f * slope_a - slope_b + x * (slope_a + slope_b - 2.0f * d)));
-}
-
-// A row of a table at `column` + x.
-SNELL_FN float look_up_row(FloatArray albedo, uint row_start, uint column, float x)
-{
-    uint at = row_start + column;
-    float a = albedo.at[at];
-    float b = albedo.at[at + 1u];
-    // beyond the ends the curve goes on straight
-    float before = column > 0u ? albedo.at[at - 1u] : 2.0f * a - b;
-    float after = column + 2u < albedo_columns ? albedo.at[at + 2u] : 2.0f * b - a;
-    return cubic_between(before, a, b, after, x);
-}
-
-// The table that begins there at (x, y) in [0, 1]^2, bicubic.
-SNELL_FN_COLD float look_up_albedo(FloatArray albedo, uint table, float x, float y)
-{
-    float last = float(albedo_rows - 1u);
-    float row = min(floor(y * last), last - 1.0f);
     float fx = x * float(albedo_columns - 1u);
+    float fy = y * float(albedo_rows - 1u);
     float column = min(floor(fx), float(albedo_columns - 2u));
+    float row = min(floor(fy), float(albedo_rows - 2u));
     fx = fx - column;
-    uint at = table + uint(row) * albedo_columns;
-    float a = look_up_row(albedo, at, uint(column), fx);
-    float b = look_up_row(albedo, at + albedo_columns, uint(column), fx);
-    float before = 2.0f * a - b;
-    float after = 2.0f * b - a;
-    if (row > 0.0f) before = look_up_row(albedo, at - albedo_columns, uint(column), fx);
-    if (row < last - 1.0f) after = look_up_row(albedo, at + 2u * albedo_columns, uint(column), fx);
-    return cubic_between(before, a, b, after, y * last - row);
+    fy = fy - row;
+    uint at = table + uint(row) * albedo_columns + uint(column);
+    float low = albedo.at[at] + (albedo.at[at + 1u] - albedo.at[at]) * fx;
+    at += albedo_columns;
+    float high = albedo.at[at] + (albedo.at[at + 1u] - albedo.at[at]) * fx;
+    return low + (high - low) * fy;
 }
 
 // Likewise, for a table with its rows at alpha.
-SNELL_FN_COLD float look_up_rough_albedo(FloatArray albedo, uint table, float cos_o, float alpha)
+SNELL_FN float look_up_rough_albedo(FloatArray albedo, uint table, float cos_o, float alpha)
 {
     return look_up_albedo(albedo, table, sqrt(clamp(cos_o, 0.0f, 1.0f)), sqrt(clamp(alpha, 0.0f, 1.0f)));
 }

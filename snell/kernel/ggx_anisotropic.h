@@ -22,7 +22,8 @@ SNELL_FN float anisotropic_lambda(vec3 w, vec2 alpha)
     return 0.5f * (sqrt(1.0f + spread / max(w.z * w.z, 1e-20f)) - 1.0f);
 }
 
-// A normal visible from w (w.z > 0): Dupuy and Benyoub 2023, Sampling Visible GGX Normals with Spherical Caps.
+// A normal visible from w (w.z > 0), with density max(dot(w, m), 0) * anisotropic_d(m) / ((1 + lambda(w)) * w.z): Dupuy
+// and Benyoub 2023, Sampling Visible GGX Normals with Spherical Caps.
 SNELL_FN vec3 sample_anisotropic_visible(vec3 w, vec2 alpha, vec2 u)
 {
     vec3 v = normalize(vec3(alpha.x * w.x, alpha.y * w.y, w.z));
@@ -31,12 +32,6 @@ SNELL_FN vec3 sample_anisotropic_visible(vec3 w, vec2 alpha, vec2 u)
     vec2 p = unit_circle(u.y);
     vec3 h = vec3(r * p.x, r * p.y, z) + v;
     return normalize(vec3(alpha.x * h.x, alpha.y * h.y, max(h.z, 1e-7f)));
-}
-
-// Its density per steradian of m.
-SNELL_FN float pdf_anisotropic_visible(vec3 w, vec3 m, vec2 alpha)
-{
-    return max(dot(w, m), 0.0f) * anisotropic_d(m, alpha) / ((1.0f + anisotropic_lambda(w, alpha)) * w.z);
 }
 
 SNELL_END

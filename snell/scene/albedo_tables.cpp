@@ -44,6 +44,38 @@ std::vector<LatticePoint> lattice(int count, int step)
     return points;
 }
 
+// Quadrature is done at every third node of a table in each direction; between them a cubic goes through four. So the
+// kernels can do with bilinear look-ups.
+constexpr uint refinement = 3;
+constexpr uint coarse_columns = (albedo_columns - 1) / refinement + 1, coarse_rows = (albedo_rows - 1) / refinement + 1;
+constexpr uint coarse_length = coarse_columns * coarse_rows;
+static_assert((coarse_columns - 1) * refinement + 1 == albedo_columns, "no whole number of steps");
+static_assert((coarse_rows - 1) * refinement + 1 == albedo_rows, "no whole number of steps");
+
+// Catmull and Rom's curve through `count` values that lie `stride` apart, at node i of the refined ones; beyond the
+// ends it goes on straight.
+float refined(const float* values, uint count, uint stride, uint i)
+{
+    const uint k = std::min(i / refinement, count - 2);
+    const float x = static_cast<float>(i - k * refinement) / static_cast<float>(refinement);
+    const float a = values[k * stride], b = values[(k + 1) * stride];
+    const float before = k > 0 ? values[(k - 1) * stride] : 2.0f * a - b;
+    const float after = k + 2 < count ? values[(k + 2) * stride] : 2.0f * b - a;
+    const float slope_a = 0.5f * (b - before), slope_b = 0.5f * (after - a), d = b - a;
+    return a + x * (slope_a + x * (3.0f * d - 2.0f * slope_a - slope_b + x * (slope_a + slope_b - 2.0f * d)));
+}
+
+void refine(const std::vector<float>& coarse, float* table)
+{
+    std::vector<float> wide(albedo_columns * coarse_rows);
+    for (uint r = 0; r < coarse_rows; ++r)
+        for (uint c = 0; c < albedo_columns; ++c)
+            wide[r * albedo_columns + c] = refined(&coarse[r * coarse_columns], coarse_columns, 1, c);
+    for (uint r = 0; r < albedo_rows; ++r)
+        for (uint c = 0; c < albedo_columns; ++c)
+            table[r * albedo_columns + c] = refined(&wide[c], coarse_rows, albedo_columns, r);
+}
+
 // The square of the i-th of n equally spaced numbers from 0 to 1.
 float node(std::size_t i, uint n)
 {
@@ -56,11 +88,11 @@ struct Node
     float alpha;
 };
 
-// The node of a table's number i.
+// The node of number i of a coarse table.
 Node node_of(std::size_t i)
 {
-    const float c = std::max(node(i % albedo_columns, albedo_columns), smallest_cosine);
-    return {vec3(safe_sqrt(1.0f - c * c), 0.0f, c), std::max(node(i / albedo_columns, albedo_rows), smallest_alpha)};
+    const float c = std::max(node(i % coarse_columns, coarse_columns), smallest_cosine);
+    return {vec3(safe_sqrt(1.0f - c * c), 0.0f, c), std::max(node(i / coarse_columns, coarse_rows), smallest_alpha)};
 }
 
 // G2 / G1: the part of what comes from visible facets that leaves in a direction with that |z|.
@@ -181,17 +213,21 @@ std::vector<float> anisotropic_tables(const std::vector<float>& common)
 std::vector<float> common_tables()
 {
     const std::vector<LatticePoint> points = lattice(610, 377);
-    std::vector<float> values(albedo_length);
-    std::fill_n(values.begin() + albedo_anisotropic, anisotropic_length, 1.0f);
-    parallel_for(albedo_table_length, [&](std::size_t i) {
-        const vec2 ggx = ggx_entry(points, node_of(i));
-        values[albedo_ggx + i] = ggx.x;
-        values[albedo_ggx_edge + i] = ggx.y;
-        Node cloth = node_of(i);
-        cloth.alpha =
-            std::pow(sheen_alpha_min, static_cast<float>(i / albedo_columns) / static_cast<float>(albedo_rows - 1));
-        values[albedo_sheen + i] = sheen_entry(points, cloth);
+    std::vector<float> whole(coarse_length), edge(coarse_length), sheen(coarse_length);
+    parallel_for(coarse_length, [&](std::size_t i) {
+        Node at = node_of(i);
+        const vec2 ggx = ggx_entry(points, at);
+        whole[i] = ggx.x;
+        edge[i] = ggx.y;
+        at.alpha =
+            std::pow(sheen_alpha_min, static_cast<float>(i / coarse_columns) / static_cast<float>(coarse_rows - 1));
+        sheen[i] = sheen_entry(points, at);
     });
+    std::vector<float> values(albedo_length);
+    refine(whole, &values[albedo_ggx]);
+    refine(edge, &values[albedo_ggx_edge]);
+    refine(sheen, &values[albedo_sheen]);
+    std::fill_n(values.begin() + albedo_anisotropic, anisotropic_length, 1.0f);
     return values;
 }
 
@@ -199,14 +235,18 @@ std::vector<float> glass_tables(float ior)
 {
     // the edge of total reflection needs many points, but only a rough surface sees it everywhere
     const std::vector<LatticePoint> few = lattice(610, 377), many = lattice(2584, 1597);
-    std::vector<float> values(glass_tables_length);
-    parallel_for(albedo_table_length, [&](std::size_t i) {
+    std::vector<float> thin(coarse_length), thin_edge(coarse_length), dense(coarse_length);
+    parallel_for(coarse_length, [&](std::size_t i) {
         const Node at = node_of(i);
         const vec3 entry = glass_entry(at.alpha < 0.05f ? few : many, at, std::max(ior, 1.0f / ior));
-        values[glass_thin_side + i] = entry.x;
-        values[glass_thin_side_edge + i] = entry.y;
-        values[glass_dense_side + i] = entry.z;
+        thin[i] = entry.x;
+        thin_edge[i] = entry.y;
+        dense[i] = entry.z;
     });
+    std::vector<float> values(glass_tables_length);
+    refine(thin, &values[glass_thin_side]);
+    refine(thin_edge, &values[glass_thin_side_edge]);
+    refine(dense, &values[glass_dense_side]);
     return values;
 }
 
