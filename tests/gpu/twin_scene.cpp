@@ -1,6 +1,7 @@
 #include "tests/gpu/twin_scene.h"
 
 #include "snell/kernel/ray.h"
+#include "snell/scene/albedo_tables.h"
 
 #include <cmath>
 #include <random>
@@ -194,6 +195,8 @@ SceneWords random_scene()
         srgb.push_back(static_cast<float>(c <= 0.04045 ? c / 12.92 : std::pow((c + 0.055) / 1.055, 2.4)));
     }
     scene.set(&SceneView::srgb, srgb);
+    const float glass_iors[] = {1.5f};
+    scene.set(&SceneView::albedo, albedo_tables(glass_iors, true).values);
 
     scene.tail.light_count = scene_lights;
     scene.tail.delta_light_count = 6;
