@@ -6,7 +6,8 @@
 SNELL_BEGIN
 
 // True if the ray passes through what it has hit. A half-transparent surface lets rays through by chance: by a number
-// that is a function of the seed and the primitive, so that every order of asking gets the same answer.
+// that is a function of the seed, the primitive and the distance (a ray may leave a sphere that it has entered), so that
+// every order of asking gets the same answer.
 SNELL_FN_COLD bool passes_through(SNELL_IN(SceneView) scene, SNELL_IN(Ray) ray, SNELL_IN(Hit) hit, uint seed)
 {
     uint kind = primitive_kind(hit.primitive);
@@ -21,7 +22,7 @@ SNELL_FN_COLD bool passes_through(SNELL_IN(SceneView) scene, SNELL_IN(Ray) ray, 
     Material material = scene.materials.at[material_index];
     if (material.coverage == coverage_opaque) return false;
     float coverage = surface_coverage(scene, material, surface_point(scene, ray, hit));
-    uvec3 r = pcg3d(uvec3(seed, hit.primitive, hit.instance));
+    uvec3 r = pcg3d(uvec3(seed ^ hash_uint(floatBitsToUint(hit.t)), hit.primitive, hit.instance));
     return unit_float(r.x) >= coverage;
 }
 

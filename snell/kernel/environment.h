@@ -45,7 +45,7 @@ SNELL_FN vec2 environment_point(SNELL_IN(Environment) environment, vec3 directio
     vec3 w =
         vec3(dot(environment.row_x, direction), dot(environment.row_y, direction), dot(environment.row_z, direction));
     if (environment.mapping == environment_octahedral) return octahedral_point(w);
-    return vec2(0.5f + atan(w.x, -w.z) * (0.5f * inv_pi), 0.5f - atan(w.y, sqrt(w.x * w.x + w.z * w.z)) * inv_pi);
+    return vec2(0.5f + longitude(w.x, -w.z) * (0.5f * inv_pi), 0.5f - atan(w.y, sqrt(w.x * w.x + w.z * w.z)) * inv_pi);
 }
 
 // The inverse. The world-to-environment map is orthogonal: its transpose leads back.
@@ -66,7 +66,7 @@ SNELL_FN vec3 environment_direction(SNELL_IN(Environment) environment, vec2 p)
 SNELL_FN float environment_solid_angle(SNELL_IN(Environment) environment, vec2 p)
 {
     if (environment.mapping == environment_octahedral) return 4.0f * pi;
-    return 2.0f * pi * pi * unit_circle(0.5f * p.y).y;
+    return 19.7392088f * unit_circle(0.5f * p.y).y; // 2 pi^2
 }
 
 // Radiance that arrives from a direction of unit length.

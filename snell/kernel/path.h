@@ -114,7 +114,8 @@ SNELL_FN PathStep shade_path(SNELL_IN(SceneView) scene, SNELL_IN(RenderParams) p
         float pdf = 0.0f;
         if (state.pdf > 0.0f && v.surface.light != none) {
             Light light = scene.lights.at[v.surface.light];
-            pdf = light.select_pdf * pdf_light(light, ray.origin, v.surface.position, v.surface.geometric_normal);
+            pdf = light.select_pdf * pdf_light(light, ray.origin, v.surface.position, v.surface.geometric_normal) *
+                  (1.0f - environment_probability(scene, params)); // as sample_direct chooses
         }
         // an emitter that light sampling never draws is found by BSDF sampling alone
         float weight = pdf > 0.0f ? bsdf_sampling_weight(params, state.pdf, pdf) : 1.0f;

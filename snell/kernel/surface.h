@@ -85,11 +85,17 @@ SNELL_FN SurfacePoint triangle_point(SNELL_IN(SceneView) scene, Hit hit)
     return s;
 }
 
+// The angle from +Z towards +X around the axis +Y; 0 on the axis, where GLSL's atan has no value.
+SNELL_FN float longitude(float x, float z)
+{
+    return x == 0.0f && z == 0.0f ? 0.0f : atan(x, z);
+}
+
 // Longitude and latitude of a point of the unit sphere, from 0 to 1; +Z is in the middle.
 SNELL_FN vec2 sphere_uv(vec3 n)
 {
     // not asin: near the poles it loses digits, and GPUs compute it to three places only
-    return vec2(0.5f + atan(n.x, n.z) * (0.5f * inv_pi), 0.5f + atan(n.y, sqrt(n.x * n.x + n.z * n.z)) * inv_pi);
+    return vec2(0.5f + longitude(n.x, n.z) * (0.5f * inv_pi), 0.5f + atan(n.y, sqrt(n.x * n.x + n.z * n.z)) * inv_pi);
 }
 
 // ray: in the space of the sphere.

@@ -41,25 +41,30 @@ SNELL_FN float near_coordinate(float x, uint mode)
     return mode == wrap_clamp ? clamp(x, 0.0f, 1.0f) : x - 2.0f * floor(0.5f * x);
 }
 
-// Linear RGBA at a coordinate of the slot's texture; u = 0 is the left edge, v = 0 the lower one.
+// Linear RGBA at a coordinate of the slot's texture; u = 0 is the left edge, v = 0 the lower one. As a loop: drivers
+// expand every call of it in place.
 SNELL_FN vec4 filter_texture(SNELL_IN(SceneView) scene, TextureSlot slot, vec2 uv)
 {
     Texture texture = scene.textures.at[slot.texture];
-    if (!is_finite(uv.x) || !is_finite(uv.y))
-        return fetch_texel(scene, texture, slot, 0, 0); // before GLSL's clamp sees a NaN
-    float x = near_coordinate(uv.x, slot.wrap_u) * float(texture.width);
-    float y = (1.0f - near_coordinate(uv.y, slot.wrap_v)) * float(texture.height);
-    if (slot.filter_mode == filter_nearest) return fetch_texel(scene, texture, slot, int(floor(x)), int(floor(y)));
-    x -= 0.5f;
-    y -= 0.5f;
+    float x = 0.0f;
+    float y = 0.0f;
+    if (is_finite(uv.x) && is_finite(uv.y)) { // before GLSL's clamp sees a NaN
+        float centers = slot.filter_mode == filter_nearest ? 0.0f : 0.5f;
+        x = near_coordinate(uv.x, slot.wrap_u) * float(texture.width) - centers;
+        y = (1.0f - near_coordinate(uv.y, slot.wrap_v)) * float(texture.height) - centers;
+    }
     float x0 = floor(x);
     float y0 = floor(y);
-    int ix = int(x0);
-    int iy = int(y0);
-    vec4 top = mix(fetch_texel(scene, texture, slot, ix, iy), fetch_texel(scene, texture, slot, ix + 1, iy), x - x0);
-    vec4 bottom =
-        mix(fetch_texel(scene, texture, slot, ix, iy + 1), fetch_texel(scene, texture, slot, ix + 1, iy + 1), x - x0);
-    return mix(top, bottom, y - y0);
+    float fx = slot.filter_mode == filter_nearest ? 0.0f : x - x0;
+    float fy = slot.filter_mode == filter_nearest ? 0.0f : y - y0;
+    vec4 sum = vec4(0.0f);
+    for (int i = 0; i < 4; ++i) {
+        int right = i & 1;
+        int lower = i / 2;
+        float weight = (right == 1 ? fx : 1.0f - fx) * (lower == 1 ? fy : 1.0f - fy);
+        if (weight > 0.0f) sum += weight * fetch_texel(scene, texture, slot, int(x0) + right, int(y0) + lower);
+    }
+    return sum;
 }
 
 // Linear RGBA that a slot (not none) gives a point with these texture coordinates.

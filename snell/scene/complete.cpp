@@ -1,6 +1,8 @@
 // A camera and light for scenes that came without.
 #include "snell/core/error.h"
+#include "snell/scene/lit.h"
 #include "snell/scene/scene.h"
+#include "snell/scene/studio.h"
 
 #include <algorithm>
 #include <array>
@@ -146,60 +148,6 @@ static void add_camera(Scene& scene, const Bounds& bounds, float aspect, vec3 up
                      camera.eye.z, camera.target.x, camera.target.y, camera.target.z, camera.fov_degrees));
 }
 
-static bool is_lit(const Scene& scene)
-{
-    if (!is_black(scene.environment.radiance)) return true;
-    for (const LightDesc& light : scene.lights)
-        if (!is_black(light.emission)) return true;
-
-    std::vector<bool> emissive(scene.materials.size());
-    bool any = false;
-    for (std::size_t i = 0; i < emissive.size(); ++i) {
-        emissive[i] = !is_black(scene.materials[i].emission);
-        any = any || emissive[i];
-    }
-    if (!any) return false;
-    for (const PlaneDesc& plane : scene.planes)
-        if (emissive[plane.material.value]) return true;
-
-    std::vector<bool> seen(scene.groups.size(), false);
-    for (const InstanceDesc& instance : scene.instances) {
-        if (seen[instance.group.value]) continue;
-        seen[instance.group.value] = true;
-        const Group& group = scene.groups[instance.group.value];
-        for (const Index<SphereDesc> sphere : group.spheres)
-            if (emissive[scene.spheres[sphere.value].material.value]) return true;
-        for (const Index<Mesh> index : group.meshes) {
-            const Mesh& mesh = scene.meshes[index.value];
-            if (mesh.triangles.empty()) continue;
-            if (mesh.triangle_materials.empty() && emissive[mesh.material.value]) return true;
-            for (const Index<MaterialDesc> material : mesh.triangle_materials)
-                if (emissive[material.value]) return true;
-        }
-    }
-    return false;
-}
-
-// Soft light from everywhere, and a sun over the camera's left shoulder that gives shapes a bright and a dark side.
-static void add_light(Scene& scene)
-{
-    const CameraDesc& camera = scene.cameras.front();
-    const vec3 forward = normalize(camera.target - camera.eye);
-    const vec3 right = normalize(cross(forward, camera.up));
-    const vec3 up = cross(right, forward);
-
-    scene.environment.radiance = vec3(0.4f);
-    LightDesc light;
-    light.name = "added";
-    light.kind = light_directional;
-    light.direction = normalize(0.55f * right - 0.75f * up + 0.6f * forward);
-    light.emission = vec3(1.5f);
-    add(scene, light);
-    note(scene, Note::Kind::info,
-         "no light: white light from everywhere (radiance 0.4) and a directional light (1.5) from above the camera's "
-         "left were added");
-}
-
 void complete_camera(Scene& scene, float aspect, vec3 up)
 {
     if (!(aspect > 0.0f && std::isfinite(aspect)))
@@ -209,7 +157,11 @@ void complete_camera(Scene& scene, float aspect, vec3 up)
 
 void complete_light(Scene& scene)
 {
-    if (!is_lit(scene)) add_light(scene);
+    if (is_lit(scene)) return;
+    add_studio(scene);
+    note(scene, Note::Kind::info,
+         "no light: a neutral studio (a grey room with three softboxes, the brightest over the camera's left shoulder) "
+         "was put around the scene");
 }
 
 void complete(Scene& scene, float aspect)

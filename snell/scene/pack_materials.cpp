@@ -134,6 +134,7 @@ void pack_materials(const Scene& scene, PackedScene& packed)
             const Principled& p = packed.principled.back();
             if (p.anisotropy > 0.0f || p.clearcoat_normal_slot != none) m.flags |= material_needs_tangents;
         }
+        if (m.kind == material_unlit) m.emission = vec3(0.0f), m.emission_slot = none; // its colour is all it shows
         if (m.coverage != coverage_opaque) packed.has_coverage = true;
         packed.materials.push_back(m);
     }

@@ -281,7 +281,7 @@ void validate(Scene& scene);
 // looking along -Z (with another `up`: as one would after turning the scene that way). aspect: width over height.
 void complete_camera(Scene& scene, float aspect, vec3 up = vec3(0.0f, 1.0f, 0.0f));
 
-// A scene without any light gets white light from everywhere and a directional one from above the left of its first
+// A scene without any light of its own (see lit.h) gets a neutral studio around it (see studio.h), turned for its first
 // camera; it must have one.
 void complete_light(Scene& scene);
 

@@ -3,7 +3,7 @@
 #ifndef SNELL_TESTS_GPU_DRAW_H
 #define SNELL_TESTS_GPU_DRAW_H
 #include "snell/kernel/bsdf.h"
-#include "snell/kernel/light.h"
+#include "snell/kernel/environment.h"
 #include "snell/kernel/path_state.h"
 #include "tests/gpu/scene_sizes.h"
 SNELL_BEGIN
@@ -32,6 +32,33 @@ SNELL_FN_COLD Hit draw_hit()
     hit.primitive = pack_primitive(kind, index);
     hit.instance = instance < scene_instances && kind != kind_plane ? instance : none;
     return hit;
+}
+
+// A point of the random scene with no more than what textures are looked up by.
+SNELL_FN_COLD SurfacePoint draw_textured_point()
+{
+    SurfacePoint s;
+    s.uv = point2(4.0f);
+    s.uv_1 = point2(4.0f);
+    vec3 rgb = color();
+    float opacity = range(0.0f, 1.0f);
+    s.color = vec4(rgb.x, rgb.y, rgb.z, opacity);
+    return s;
+}
+
+// The random scene with an environment of either mapping, one in eight a constant one.
+SNELL_FN_COLD SceneView draw_environment(SNELL_IN(SceneView) scene)
+{
+    SceneView s = scene;
+    uint constant = index_below(8u);
+    s.environment.mapping = index_below(2u);
+    s.environment.is_visible = index_below(2u);
+    if (constant == 0u) {
+        s.environment.texture = none;
+        s.environment.columns = 0u;
+        s.environment.rows = 0u;
+    }
+    return s;
 }
 
 // alpha: 0 for the smooth variants.
@@ -80,6 +107,8 @@ SNELL_FN_COLD PathState draw_state()
     if (s.medium >= scene_materials) s.medium = none;
     s.key_pixel = word();
     s.key_reversed_index = word();
+    s.channel = index_below(4u);
+    if (s.channel == 3u) s.channel = none;
     return s;
 }
 
@@ -89,6 +118,7 @@ SNELL_FN void give_surface_point(SurfacePoint s)
     give(s.geometric_normal);
     give(s.shading_normal);
     give(s.uv);
+    give(s.uv_1);
     give(s.color);
     give(s.material);
     give(s.object);
@@ -128,6 +158,7 @@ SNELL_FN void give_connection(Connection c)
     give(c.value);
     give(c.slot);
     give(c.layer);
+    give(c.seed);
 }
 SNELL_FN void give_state(PathState s)
 {
@@ -139,6 +170,7 @@ SNELL_FN void give_state(PathState s)
     give(s.medium);
     give(s.key_pixel);
     give(s.key_reversed_index);
+    give(s.channel);
 }
 SNELL_FN void give_camera_path(CameraPath p)
 {

@@ -5,14 +5,17 @@
 SNELL_BEGIN
 
 SNELL_CONST uint scene_vertices = 48u; // in each of the meshes
-SNELL_CONST uint scene_triangles = 60u;
-SNELL_CONST uint scene_surfaces = 6u;
+SNELL_CONST uint scene_triangles = 120u;
+SNELL_CONST uint scene_surfaces = 12u;
 SNELL_CONST uint scene_spheres = 8u;
 SNELL_CONST uint scene_planes = 4u;
 SNELL_CONST uint scene_instances = 5u;
 SNELL_CONST uint scene_materials = 24u;
 SNELL_CONST uint scene_lights = 20u;
 SNELL_CONST uint scene_textures = 12u;
+SNELL_CONST uint scene_slots = 16u;
+SNELL_CONST uint scene_columns = 8u; // of the environment's cells
+SNELL_CONST uint scene_rows = 5u;
 
 SNELL_END
 #endif

@@ -60,10 +60,12 @@ Instance make_instance(Draw& draw, uint number)
     return instance;
 }
 
+// Each kind but material_principled, which has a scene of numbers of its own.
 Material make_material(Draw& draw, uint number)
 {
+    const auto slot = [&] { return draw.coin() ? draw.below(scene_slots) : none; };
     Material m{};
-    m.kind = number % 5;
+    m.kind = number % 6;
     m.base_color = draw.box(0.0f, 1.0f);
     m.emission = number % 3 == 0 ? draw.box(0.0f, 8.0f) : vec3(0.0f);
     m.alpha = draw.coin() ? 0.0f : draw.range(0.02f, 1.0f);
@@ -72,9 +74,45 @@ Material make_material(Draw& draw, uint number)
     m.absorption = m.kind == material_conductor ? draw.box(0.5f, 6.0f)
                    : draw.coin()                ? draw.box(0.0f, 1.5f)
                                                 : vec3(0.0f);
-    m.flags = draw.coin() ? material_two_sided_emission : 0u;
-    m.base_texture = draw.coin() ? draw.below(scene_textures) : none;
+    m.flags = draw.below(4);
+    m.base_slot = slot();
+    m.emission_slot = slot();
+    m.normal_slot = slot();
+    if (m.normal_slot != none || draw.below(4) == 0) m.flags |= material_needs_tangents;
+    m.normal_scale = draw.range(-2.0f, 2.0f);
+    m.coverage = draw.below(3);
+    m.opacity = draw.range(0.3f, 1.0f);
+    m.cutoff = draw.range(0.1f, 0.6f);
+    m.opacity_slot = slot();
+    m.principled = none;
     return m;
+}
+
+TextureSlot make_slot(Draw& draw)
+{
+    TextureSlot slot{};
+    slot.texture = draw.below(scene_textures);
+    slot.uv_set = draw.below(2);
+    slot.wrap_u = draw.below(3);
+    slot.wrap_v = draw.below(3);
+    slot.filter_mode = draw.below(4) == 0 ? filter_nearest : filter_bilinear;
+    slot.channel = draw.below(4);
+    slot.row_u = draw.coin() ? vec3(1.0f, 0.0f, 0.0f) : draw.box(-2.0f, 2.0f);
+    slot.row_v = draw.coin() ? vec3(0.0f, 1.0f, 0.0f) : draw.box(-2.0f, 2.0f);
+    return slot;
+}
+
+// Appends a cumulative distribution; one cell in four has no share in it.
+void add_cdf(Draw& draw, std::vector<float>& cdf, uint count)
+{
+    std::vector<float> weights;
+    float total = 0.0f, sum = 0.0f;
+    for (uint i = 0; i < count; ++i) {
+        weights.push_back(draw.below(4) == 0 ? 0.0f : draw.range(0.01f, 1.0f));
+        total += weights.back();
+    }
+    cdf.push_back(0.0f);
+    for (uint i = 0; i < count; ++i) cdf.push_back(i + 1 == count ? 1.0f : (sum += weights[i]) / total);
 }
 
 Light make_light(Draw& draw, uint number)
@@ -86,7 +124,7 @@ Light make_light(Draw& draw, uint number)
     light.position = draw.box(-2.0f, 2.0f);
     light.direction = draw.direction();
     light.emission = draw.box(0.1f, 10.0f);
-    light.flags = draw.below(2);
+    light.flags = light.kind < light_triangle ? 0u : draw.below(8); // two-sided, textured, mirrored
     light.primitive = none;
     light.instance = none;
     if (light.kind == light_spot) {
@@ -100,7 +138,8 @@ Light make_light(Draw& draw, uint number)
         light.primitive = pack_primitive(kind_triangle, number);
     } else if (light.kind == light_sphere) {
         light.cos_inner = draw.range(0.01f, 0.8f);
-        light.primitive = pack_primitive(kind_sphere, number);
+        light.primitive = pack_primitive(kind_sphere, number - 14u);
+        if (draw.coin()) light.instance = draw.below(scene_instances);
     }
     light.select_pdf = draw.range(0.01f, 0.1f);
     light.alias_threshold = draw.range(0.0f, 1.0f);
@@ -119,7 +158,8 @@ SceneWords random_scene()
     Draw draw;
     SceneWords scene;
 
-    std::vector<vec3> positions, normals, colors;
+    std::vector<vec3> positions, normals;
+    std::vector<vec4> tangents, colors;
     std::vector<vec2> uvs;
     std::vector<Triangle> triangles;
     std::vector<Surface> surfaces;
@@ -132,14 +172,19 @@ SceneWords random_scene()
         s.normal_base = k & 1u ? static_cast<uint>(normals.size()) : none;
         s.uv_base = k & 2u ? static_cast<uint>(uvs.size()) : none;
         s.color_base = k & 4u ? static_cast<uint>(colors.size()) : none;
+        s.tangent_base = k & 8u ? static_cast<uint>(tangents.size()) : none;
         s.first_triangle = static_cast<uint>(triangles.size());
         s.first_light = k % 3 == 0 ? 6u : none;
         for (uint v = 0; v < scene_vertices; ++v) {
             positions.push_back(draw.box(-2.0f, 2.0f));
             if (k & 1u) normals.push_back(draw.direction());
             if (k & 2u) uvs.emplace_back(draw.range(-3.0f, 3.0f), draw.range(-3.0f, 3.0f));
-            if (k & 4u) colors.push_back(draw.box(0.0f, 1.0f));
+            if (k & 4u) colors.emplace_back(draw.box(0.0f, 1.0f), draw.range(0.0f, 1.0f));
+            if (k & 8u) tangents.emplace_back(draw.direction(), draw.coin() ? 1.0f : -1.0f);
         }
+        s.uv_1_base = k % 3 == 2 ? static_cast<uint>(uvs.size()) : none;
+        for (uint v = 0; v < scene_vertices && k % 3 == 2; ++v)
+            uvs.emplace_back(draw.range(-3.0f, 3.0f), draw.range(-3.0f, 3.0f));
         for (uint t = 0; t < per_surface; ++t) {
             const uint first = s.first_vertex + draw.below(16);
             triangles.push_back({first, first + 1 + draw.below(15), first + 16 + draw.below(16), k});
@@ -150,6 +195,7 @@ SceneWords random_scene()
     scene.set(&SceneView::normals, normals);
     scene.set(&SceneView::uvs, uvs);
     scene.set(&SceneView::colors, colors);
+    scene.set(&SceneView::tangents, tangents);
     scene.set(&SceneView::triangles, triangles);
     scene.set(&SceneView::surfaces, surfaces);
 
@@ -168,6 +214,9 @@ SceneWords random_scene()
     std::vector<Material> materials;
     for (uint i = 0; i < scene_materials; ++i) materials.push_back(make_material(draw, i));
     scene.set(&SceneView::materials, materials);
+    std::vector<TextureSlot> slots;
+    for (uint i = 0; i < scene_slots; ++i) slots.push_back(make_slot(draw));
+    scene.set(&SceneView::slots, slots);
     std::vector<Light> lights;
     for (uint i = 0; i < scene_lights; ++i) lights.push_back(make_light(draw, i));
     scene.set(&SceneView::lights, lights);
@@ -181,7 +230,6 @@ SceneWords random_scene()
         texture.width = sizes[i % 4][0];
         texture.height = sizes[i % 4][1];
         texture.format = i % 3;
-        texture.wrap = i / 4;
         const uint channels = texture.format == texels_rgba32f ? 4 : 1;
         for (uint t = 0; t < channels * texture.width * texture.height; ++t)
             texels.push_back(channels == 4 ? word_of(draw.range(0.0f, 2.0f)) : draw.below(~0u));
@@ -201,7 +249,23 @@ SceneWords random_scene()
     scene.tail.light_count = scene_lights;
     scene.tail.delta_light_count = 6;
     scene.tail.plane_count = scene_planes;
-    scene.tail.environment = vec3(0.25f, 0.5f, 0.75f);
+    scene.tail.has_coverage = 1;
+    Environment& e = scene.tail.environment;
+    e.radiance = vec3(0.25f, 0.5f, 0.75f);
+    e.texture = 2;
+    const Instance turned = make_instance(draw, 1);
+    const auto unit_row = [](vec4 row) { return normalize(vec3(row)); }; // of a rotation times a scale
+    e.row_x = unit_row(turned.to_object.x), e.row_y = unit_row(turned.to_object.y),
+    e.row_z = unit_row(turned.to_object.z);
+    e.mapping = environment_equirectangular;
+    e.is_visible = 1;
+    e.columns = scene_columns;
+    e.rows = scene_rows;
+    e.select_pdf = 0.5f;
+    std::vector<float> cdf;
+    add_cdf(draw, cdf, scene_rows);
+    for (uint row = 0; row < scene_rows; ++row) add_cdf(draw, cdf, scene_columns);
+    scene.set(&SceneView::environment_cdf, cdf);
     scene.tail.scene_radius = 4.0f;
     scene.tail.scene_center = vec3(0.1f, -0.2f, 0.3f);
     return scene;

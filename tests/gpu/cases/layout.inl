@@ -22,6 +22,7 @@ TWIN(layout_scene_view, 0.0f, 0.0f, 0.0f)
     give(view.positions.at[i]);
     give(view.normals.at[i]);
     give(view.uvs.at[i]);
+    give(view.tangents.at[i]);
     give(view.colors.at[i]);
     give(view.triangles.at[i].v0);
     give(view.surfaces.at[i & 127u].material);
@@ -33,16 +34,30 @@ TWIN(layout_scene_view, 0.0f, 0.0f, 0.0f)
     give(view.textures.at[i & 127u].offset);
     give(view.texels.at[i]);
     give(view.srgb.at[i]);
+    give(view.slots.at[i & 63u].texture);
+    give(view.principled.at[i & 15u].metallic);
+    give(view.albedo.at[i]);
+    give(view.environment_cdf.at[i]);
     give(view.light_count);
     give(view.plane_count);
-    give(view.environment);
+    give(view.has_coverage);
+    give(view.environment.radiance);
+    give(view.environment.texture);
+    give(view.environment.row_x);
+    give(view.environment.row_y);
+    give(view.environment.row_z);
+    give(view.environment.mapping);
+    give(view.environment.is_visible);
+    give(view.environment.columns);
+    give(view.environment.rows);
+    give(view.environment.select_pdf);
     give(view.scene_radius);
     give(view.scene_center);
     give(view.delta_light_count);
 }
 TWIN(layout_material, 0.0f, 0.0f, 0.0f)
 {
-    uint i = index_below(200u);
+    uint i = index_below(160u);
     Material m = scene.materials.at[i];
     give(m.base_color);
     give(m.kind);
@@ -52,7 +67,56 @@ TWIN(layout_material, 0.0f, 0.0f, 0.0f)
     give(m.ior);
     give(m.absorption);
     give(m.flags);
-    give(m.base_texture);
+    give(m.base_slot);
+    give(m.emission_slot);
+    give(m.normal_slot);
+    give(m.normal_scale);
+    give(m.coverage);
+    give(m.opacity);
+    give(m.cutoff);
+    give(m.opacity_slot);
+    give(m.principled);
+}
+TWIN(layout_principled, 0.0f, 0.0f, 0.0f)
+{
+    uint i = index_below(97u);
+    Principled p = scene.principled.at[i];
+    give(p.metallic);
+    give(p.roughness);
+    give(p.specular);
+    give(p.clearcoat);
+    give(p.clearcoat_roughness);
+    give(p.clearcoat_normal_scale);
+    give(p.specular_color);
+    give(p.sheen_color);
+    give(p.sheen_roughness);
+    give(p.transmission);
+    give(p.thin_walled);
+    give(p.anisotropy);
+    give(p.anisotropy_rotation);
+    give(p.iridescence);
+    give(p.iridescence_ior);
+    give(p.iridescence_thickness_min);
+    give(p.iridescence_thickness_max);
+    give(p.dispersion);
+    give(p.diffuse_transmission);
+    give(p.diffuse_transmission_color);
+    give(p.metallic_slot);
+    give(p.roughness_slot);
+    give(p.specular_slot);
+    give(p.specular_color_slot);
+    give(p.clearcoat_slot);
+    give(p.clearcoat_roughness_slot);
+    give(p.clearcoat_normal_slot);
+    give(p.sheen_color_slot);
+    give(p.sheen_roughness_slot);
+    give(p.transmission_slot);
+    give(p.anisotropy_slot);
+    give(p.iridescence_slot);
+    give(p.iridescence_thickness_slot);
+    give(p.diffuse_transmission_slot);
+    give(p.diffuse_transmission_color_slot);
+    give(p.glass_table);
 }
 TWIN(layout_light, 0.0f, 0.0f, 0.0f)
 {
@@ -75,7 +139,7 @@ TWIN(layout_light, 0.0f, 0.0f, 0.0f)
 }
 TWIN(layout_geometry, 0.0f, 0.0f, 0.0f)
 {
-    uint i = index_below(500u);
+    uint i = index_below(400u);
     Triangle t = scene.triangles.at[i];
     give(t.v0);
     give(t.v1);
@@ -90,6 +154,8 @@ TWIN(layout_geometry, 0.0f, 0.0f, 0.0f)
     give(s.color_base);
     give(s.first_triangle);
     give(s.first_light);
+    give(s.uv_1_base);
+    give(s.tangent_base);
     Sphere b = scene.spheres.at[i];
     give(b.center);
     give(b.radius);
@@ -128,7 +194,15 @@ TWIN(layout_texture, 0.0f, 0.0f, 0.0f)
     give(t.width);
     give(t.height);
     give(t.format);
-    give(t.wrap);
+    TextureSlot s = scene.slots.at[i & 63u];
+    give(s.texture);
+    give(s.uv_set);
+    give(s.wrap_u);
+    give(s.wrap_v);
+    give(s.filter_mode);
+    give(s.channel);
+    give(s.row_u);
+    give(s.row_v);
 }
 TWIN(layout_ray_and_hit, 0.0f, 0.0f, 0.0f)
 {
@@ -161,7 +235,7 @@ TWIN(layout_params, 0.0f, 0.0f, 0.0f)
 }
 TWIN(layout_path, 0.0f, 0.0f, 0.0f)
 {
-    uint i = index_below(5000u);
+    uint i = index_below(4600u);
     give_state(RAW(TwinStates).at[i]);
     give_connection(RAW(TwinConnections).at[i]);
 }

@@ -69,11 +69,13 @@ TWIN(select_light, 0.0f, 0.0f, 0.0f)
     float u = unit();
     give(select_light(scene, u));
 }
-TWIN(sample_environment, 1e-5f, 1e-6f, 0.0f)
+TWIN_BUILTIN(light_texture, 1e-3f, 1e-3f, 0.006f) // where the nearest texel changes; next to a cutoff; at a sphere's seam
 {
-    vec3 radiance = color();
+    uint i = 6u + index_below(14u);
     vec2 u = unit2();
-    give_light_sample(sample_environment(radiance, u));
+    Light light = scene.lights.at[i];
+    vec3 target = light.position + light.cos_inner * direction();
+    give(light_texture(scene, light, u, target));
 }
 TWIN(shadow_ray, 1e-4f, 1e-4f, 0.001f) // the direction lies in the surface: which side?
 {

@@ -41,12 +41,36 @@ TWIN_BUILTIN(surface_point, 1e-4f, 1e-4f, 0.001f) // the normals switch sides
     Hit hit = draw_hit();
     give_surface_point(surface_point(scene, ray, hit));
 }
-TWIN(material_point, 1e-5f, 1e-4f, 0.0f)
+TWIN_BUILTIN(sphere_uv, 1e-4f, 1e-5f, 0.0f)
+{
+    vec3 n = direction();
+    give(sphere_uv(n));
+    give(longitude(n.x, n.z));
+}
+TWIN(slot_color, 1e-5f, 1e-4f, 0.002f) // where the nearest texel changes
+{
+    uint slot = index_below(2u * scene_slots);
+    SurfacePoint s = draw_textured_point();
+    if (slot >= scene_slots) slot = none;
+    give(slot_color(scene, slot, s));
+    give(slot_value(scene, slot, s));
+}
+TWIN(emission_texture, 1e-5f, 1e-4f, 0.002f) // the same
 {
     uint index = index_below(scene_materials);
-    SurfacePoint s;
-    s.uv = point2(4.0f);
-    s.color = color();
+    SurfacePoint s = draw_textured_point();
+    give(emission_texture(scene, scene.materials.at[index], s));
+}
+TWIN(surface_coverage, 1e-5f, 1e-4f, 0.002f) // the same, and next to the cutoff
+{
+    uint index = index_below(scene_materials);
+    SurfacePoint s = draw_textured_point();
+    give(surface_coverage(scene, scene.materials.at[index], s));
+}
+TWIN(material_point, 1e-5f, 1e-4f, 0.002f) // the same
+{
+    uint index = index_below(scene_materials);
+    SurfacePoint s = draw_textured_point();
     give_material_point(material_point(scene, scene.materials.at[index], s));
 }
 

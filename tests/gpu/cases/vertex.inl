@@ -1,0 +1,21 @@
+// A hit, ready for scattering.
+#ifndef TWIN_CASES
+#include "snell/kernel/path_state.h"
+#include "tests/gpu/draw.h"
+#else
+
+TWIN_BUILTIN(make_vertex, 1e-3f, 1e-3f, 0.005f) // the normals switch sides; the nearest texel changes
+{
+    Ray ray = draw_ray();
+    Hit hit = draw_hit();
+    vec3 w = direction();
+    ray.direction = normalize(ray.direction);
+    Vertex v = make_vertex(scene, ray, hit);
+    give_surface_point(v.surface);
+    give_material_point(v.material);
+    give(v.wo);
+    give(v.emission);
+    give(vertex_eval(v, w));
+}
+
+#endif
