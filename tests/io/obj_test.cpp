@@ -447,6 +447,33 @@ TEST(Obj, LargeFilesAreReadInPieces)
               std::string::npos);
 }
 
+TEST(Obj, LinesLongerThanAnyWindowTakeLinearTime)
+{
+    std::string continued = corners + "f 1 2 \\\n";
+    for (int i = 0; i < 5000000; ++i) continued += "\\\n";
+    EXPECT_EQ(triangle_count(load(continued + " 3\nf 1 3 4\n")), 2u);
+    const std::string long_name(std::size_t{10} << 20, 'x');
+    EXPECT_EQ(load(corners + "o " + long_name + "\nf 1 2 3\n").meshes[0].name.size(), long_name.size());
+}
+
+TEST(Obj, ProgressGoesFromTheBeginningToTheEnd)
+{
+    std::string text = corners + "f 1 2 3\n";
+    while (text.size() < std::size_t{17} << 20) text += "# many words that say nothing, as some exporters like them\n";
+    const Folder folder;
+    std::vector<double> told;
+    LoadOptions options;
+    options.progress = [&](const LoadProgress& progress) {
+        if (progress.what == "reading a.obj") told.push_back(progress.fraction);
+    };
+    load_scene(folder.write("a.obj", text), options);
+    ASSERT_GE(told.size(), 3u);
+    EXPECT_TRUE(std::is_sorted(told.begin(), told.end()));
+    EXPECT_EQ(told.front(), 0.0);
+    EXPECT_NEAR(told.back(), 0.9, 1e-9);
+    EXPECT_TRUE(std::any_of(told.begin(), told.end(), [](double part) { return part > 0.3 && part < 0.88; }));
+}
+
 TEST(Obj, FacesBeforeAndBetweenTheirVertices)
 {
     const Mesh mesh =

@@ -70,6 +70,50 @@ TEST(Stl, AsciiInAnyLetterCaseAndLineEnd)
     EXPECT_EQ(triangle_count(load_scene(folder.write("b.stl", ascii_stl() + ascii_stl()))), 8u);
 }
 
+TEST(Stl, Utf16)
+{
+    const Folder folder;
+    std::string wide = "\xfe\xff";
+    for (const char c : ascii_stl()) wide += '\0', wide += c;
+    expect_tetrahedron(load_scene(folder.write("a.stl", wide)));
+}
+
+// Several windows of each kind; a grid whose vertices must be found again.
+TEST(Stl, LargeFiles)
+{
+    constexpr int size = 250;
+    std::string binary(84, ' '), text = "solid\n";
+    const std::uint32_t count = 2 * size * size;
+    std::memcpy(binary.data() + 80, &count, 4);
+    const auto add = [&](const vec3(&facet)[4]) {
+        append(binary, facet, sizeof facet);
+        binary.append(2, '\0');
+        text += "facet normal 0 0 1\n outer loop\n";
+        for (int i = 1; i < 4; ++i) text += fmt::format("  vertex {} {} {}\n", facet[i].x, facet[i].y, facet[i].z);
+        text += " endloop\nendfacet\n";
+    };
+    for (int y = 0; y < size; ++y)
+        for (int x = 0; x < size; ++x) {
+            const auto at = [&](int i, int k) { return vec3(float(x + i), float(y + k), 0.125f); };
+            add({vec3(0, 0, 1), at(0, 0), at(1, 0), at(1, 1)});
+            add({vec3(0, 0, 1), at(0, 0), at(1, 1), at(0, 1)});
+        }
+    const Folder folder;
+    for (const auto& file : {folder.write("b.stl", binary), folder.write("t.stl", text + "endsolid\n")}) {
+        const Scene scene = load_scene(file);
+        EXPECT_TRUE(scene.notes.empty());
+        const Mesh& mesh = scene.meshes[0];
+        EXPECT_EQ(mesh.triangles.size(), count);
+        EXPECT_EQ(mesh.positions.size(), std::size_t{size + 1} * (size + 1));
+        EXPECT_NEAR(mesh_area(mesh), size * size, 1e-3);
+    }
+    // The line of an error behind several windows.
+    const std::string bad = text + "facet normal 0 0 one\n";
+    EXPECT_NE(load_error(folder.write("bad.stl", bad))
+                  .find(fmt::format("bad.stl:{}:18: a normal's coordinate", 2 + 7 * count)),
+              std::string::npos);
+}
+
 TEST(Stl, NegativeZeroIsTheSamePlace)
 {
     const Folder folder;
