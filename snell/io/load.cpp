@@ -5,6 +5,7 @@
 #include "snell/io/file.h"
 #include "snell/io/gltf/gltf.h"
 #include "snell/io/obj/obj.h"
+#include "snell/io/pbrt/pbrt.h"
 #include "snell/io/ply/ply.h"
 #include "snell/io/stl/stl.h"
 #include "snell/scene/builtin.h"
@@ -29,6 +30,8 @@ Scene load_scene(const std::filesystem::path& file, const LoadOptions& options)
     Scene scene;
     if (extension == ".gltf" || extension == ".glb")
         scene = load_gltf(file, options);
+    else if (extension == ".pbrt")
+        scene = load_pbrt(file, options);
     else if (extension == ".obj")
         scene = load_obj(file, options);
     else if (extension == ".ply")
