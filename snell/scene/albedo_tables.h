@@ -16,7 +16,7 @@ struct AlbedoTables
 
 // The tables that every scene with principled materials needs, and those for rough solid glass of each of `iors`
 // (indices inside over outside; repetitions cost nothing, and what is no index has no table). anisotropic: whether any
-// material is. The same numbers in every run. What was computed is kept by the process: some 15 ms on one core the
+// material is. The same numbers in every run. What was computed is kept by the process: some 20 ms on one core the
 // first time, 50 ms for each new index and 60 ms for anisotropy, shared among the threads. Beyond 16 different indices
 // some share a neighbour's table, so that the cost is bounded.
 AlbedoTables albedo_tables(std::span<const float> iors, bool anisotropic);
