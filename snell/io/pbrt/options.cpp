@@ -166,9 +166,12 @@ void set_sampler(Loader& loader, const std::string& type, const ParameterList& p
     parameters.report_unused(fmt::format("Sampler \"{}\"", type.substr(0, 40)), loader.notes);
 }
 
-void set_filter(Loader& loader, const std::string&, const ParameterList& parameters)
+void set_filter(Loader& loader, const std::string& type, const ParameterList& parameters)
 {
-    loader.inform(parameters.spot, "filter", "pixels are means over their own square: PixelFilter is ignored");
+    const float x = parameters.number("xradius", parameters.number("xwidth", 0.5f));
+    const float y = parameters.number("yradius", parameters.number("ywidth", 0.5f));
+    if (type != "box" || x != 0.5f || y != 0.5f)
+        loader.inform(parameters.spot, "filter", "pixels are means over their own square: PixelFilter is ignored");
 }
 
 void set_accelerator(Loader& loader, const std::string&, const ParameterList& parameters)
