@@ -34,8 +34,10 @@ void Findings::add(std::string_view kind, Finding::Severity severity, std::strin
     ++of_kind.found[static_cast<int>(severity)];
     if (of_kind.listed.size() < SceneReport::listed_of_a_kind)
         of_kind.listed.push_back({std::string(kind), severity, std::move(text), count});
-    else
+    else {
         ++of_kind.unlisted;
+        of_kind.unlisted_count += count;
+    }
 }
 
 void Findings::close(SceneReport& report)
@@ -51,8 +53,8 @@ void Findings::close(SceneReport& report)
             report.findings.push_back(std::move(finding));
         }
         if (kind.unlisted > 0)
-            report.findings.push_back(
-                {name, gravest, fmt::format("and {} more of this kind ({})", kind.unlisted, name), kind.unlisted});
+            report.findings.push_back({name, gravest, fmt::format("and {} more of this kind ({})", kind.unlisted, name),
+                                       kind.unlisted_count});
     }
     std::stable_sort(report.findings.begin(), report.findings.end(),
                      [](const Finding& a, const Finding& b) { return a.severity > b.severity; });

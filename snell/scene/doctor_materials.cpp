@@ -106,7 +106,7 @@ static void check_normal_map(const Scene& scene, std::size_t index, Findings& fi
 static void check_albedo(const Scene& scene, std::size_t index, bool has_vertex_colors, Findings& findings)
 {
     const MaterialDesc& m = scene.materials[index];
-    if (m.base_texture.valid() || has_vertex_colors) return;
+    if (m.base_texture.valid() || has_vertex_colors || is_emissive(m)) return;
     const bool is_diffuse = m.kind == material_diffuse || m.kind == material_mix ||
                             (m.kind == material_principled && m.principled.metallic < 1.0f &&
                              m.principled.transmission < 1.0f && m.principled.diffuse_transmission < 1.0f);

@@ -35,6 +35,8 @@ static constexpr std::array rules = {
     Rule{"up direction", "replaced", "camera-up", Severity::repaired},
     Rule{"concave", "", "concave-polygons", Severity::repaired},
     Rule{"polygon", "", "odd-polygons", Severity::repaired},
+    Rule{"after the last facet", "", "trailing-bytes", Severity::repaired},
+    Rule{"more in the file than its header", "", "trailing-bytes", Severity::repaired},
     Rule{"magenta", "", "missing-texture", Severity::doubtful},
     Rule{"material library", "", "missing-material", Severity::doubtful},
     Rule{"no library has the material", "", "missing-material", Severity::doubtful},

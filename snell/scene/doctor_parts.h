@@ -26,7 +26,7 @@ class Findings
     struct Kind
     {
         std::vector<Finding> listed;
-        std::size_t unlisted = 0;
+        std::size_t unlisted = 0, unlisted_count = 0;
         std::size_t found[4] = {}; // by severity
     };
     std::map<std::string, Kind, std::less<>> kinds_;
