@@ -80,7 +80,7 @@ TEST(Gzip, BombsStopAtTheLimit)
     // One that a reader meets.
     const Folder folder;
     std::string text = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
-    const std::string blank = std::string(1000, ' ') + '\n';
+    const std::string blank = std::string(std::size_t{1} << 20, ' ') + '\n';
     while (text.size() < std::size_t{66} << 20) text += blank;
     EXPECT_NE(load_error(folder.write("bomb.obj.gz", packed(text, 1))).find("inflates to more than"),
               std::string::npos);
