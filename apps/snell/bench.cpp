@@ -3,12 +3,12 @@
 #include "commands.h"
 #include "console.h"
 #include "options.h"
+#include "scene_choice.h"
 #include "usage.h"
 
 #include "snell/core/error.h"
 #include "snell/core/parallel.h"
 #include "snell/core/timer.h"
-#include "snell/io/load.h"
 #include "snell/lab/metrics.h"
 #include "snell/render/params.h"
 #include "snell/render/render.h"
@@ -35,6 +35,7 @@ struct BenchJob
     std::string json_file;
     RenderSettings settings;
     CameraChoice camera;
+    SceneChoice choice; // for each scene
     int runs = 5;
 };
 
@@ -103,8 +104,11 @@ static std::vector<Contender> contenders(const Prepared& prepared, const RenderS
 
 static nlohmann::json bench_scene(const std::string& name, const BenchJob& job)
 {
-    Scene scene = open_scene(name);
+    SceneChoice choice = job.choice;
+    choice.name = name;
+    Scene scene = open_chosen(choice);
     choose_camera(scene, job.camera, 1.0f);
+    hide_environment(scene, choice);
     const std::unique_ptr<Prepared> prepared = prepare(scene, job.settings);
     const RenderParams params =
         make_render_params(job.settings, *find_integrator("path"), prepared->camera, prepared->packed.radius);
@@ -194,6 +198,8 @@ int run_bench(const Arguments& arguments)
     options.value("--json", "FILE", "Write the figures there as well",
                   [&](const std::string& text) { job.json_file = text; });
     add_camera_options(options, job.camera);
+    add_scene_options(options, job.choice);
+    add_loading_options(options, job.choice);
     if (const std::optional<int> code = options.parse(arguments)) return *code;
     if (job.scenes.empty()) job.scenes.push_back("cornell");
 

@@ -4,8 +4,7 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
-#include <cctype>
+#include <cmath>
 
 namespace snell::app {
 
@@ -13,16 +12,8 @@ static std::size_t find_camera(const Scene& scene, const std::string& name)
 {
     std::vector<std::string> names;
     for (const CameraDesc& camera : scene.cameras) names.push_back(camera.name);
-    if (const auto found = std::find(names.begin(), names.end(), name); found != names.end())
-        return static_cast<std::size_t>(found - names.begin());
-
-    if (!name.empty() && std::all_of(name.begin(), name.end(), [](unsigned char c) { return std::isdigit(c) != 0; })) {
-        if (names.empty()) throw UsageError("--camera: the scene has no cameras; --eye and --target make one");
-        return static_cast<std::size_t>(
-            parse_integer("--camera", name, 0, static_cast<std::int64_t>(names.size()) - 1));
-    }
-    check_name("camera", name, names);
-    return 0;
+    if (names.empty()) throw UsageError("--camera: the scene has no cameras; --eye and --target make one");
+    return find_name_or_index("--camera", "camera", names, name);
 }
 
 void add_camera_options(Options& options, CameraChoice& choice)
@@ -57,6 +48,7 @@ void choose_camera(Scene& scene, const CameraChoice& choice, float aspect)
     if (choice.eye) camera.eye = *choice.eye;
     if (choice.target) camera.target = *choice.target;
     if (choice.up) camera.up = *choice.up;
+    if (choice.eye || choice.target || choice.up) camera.node = {}; // it stands where it was put
     if (choice.fov_degrees) camera.fov_degrees = *choice.fov_degrees;
 
     const vec3 view = camera.target - camera.eye;

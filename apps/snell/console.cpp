@@ -35,11 +35,18 @@ void Console::open_log(const std::filesystem::path& file)
                     "choose another place with --log-file");
 }
 
+// Names from files must not move the cursor.
+static std::string printable(std::string_view text)
+{
+    std::string line(text);
+    const auto is_control = [](char c) { return (c >= 0 && c < ' ') || c == '\x7f'; };
+    std::replace_if(line.begin(), line.end(), is_control, ' ');
+    return line;
+}
+
 void Console::say(std::string_view kind, std::string_view text, bool show)
 {
-    std::string line = fmt::format("snell: {}{}", kind, text);
-    std::replace(line.begin(), line.end(), '\n', ' ');
-    line += '\n';
+    const std::string line = fmt::format("snell: {}{}\n", kind, printable(text));
     if (show) std::fwrite(line.data(), 1, line.size(), stderr);
     if (log_) {
         std::fwrite(line.data(), 1, line.size(), log_);
@@ -84,7 +91,10 @@ void Console::notes(const Scene& scene)
                              kind.starts_with(' ') ? "" : " ", kind));
 }
 
-ProgressLine::ProgressLine(uint spp) : spp_(spp), terminal_(isatty(STDERR_FILENO) == 1) {}
+ProgressLine::ProgressLine(uint spp, std::string label)
+    : spp_(spp), label_(std::move(label)), terminal_(isatty(STDERR_FILENO) == 1)
+{
+}
 
 ProgressLine::~ProgressLine()
 {
@@ -98,16 +108,30 @@ static std::string clock_time(double seconds)
     return fmt::format("{}:{:02}", whole / 60, whole % 60);
 }
 
+// Whether it is time for another line.
+static bool is_due(bool terminal, std::chrono::steady_clock::time_point& last)
+{
+    if (console().level == Console::Level::quiet) return false;
+    const auto now = std::chrono::steady_clock::now();
+    if (now - last < std::chrono::duration<double>(terminal ? 0.1 : 3.0)) return false;
+    last = now;
+    return true;
+}
+
+static void show_bar(double fraction, const std::string& label, const std::string& facts)
+{
+    constexpr int width = 20;
+    const auto done = static_cast<std::size_t>(fraction * width);
+    const std::string bar = std::string(done, '#') + std::string(width - done, '.');
+    std::fputs(fmt::format("\r\033[K{}[{}] {}", label, bar, facts).c_str(), stderr);
+    std::fflush(stderr);
+}
+
 void ProgressLine::update(const Progress& progress)
 {
-    if (console().level == Console::Level::quiet) return;
-    const auto now = Clock::now();
-    const std::chrono::duration<double> pause =
-        terminal_ ? std::chrono::duration<double>(0.1) : std::chrono::duration<double>(3.0);
-    if (now - last_ < pause) return;
-    last_ = now;
+    if (!is_due(terminal_, last_)) return;
 
-    const double elapsed = std::chrono::duration<double>(now - started_).count();
+    const double elapsed = std::chrono::duration<double>(last_ - started_).count();
     const double fraction = std::clamp(progress.fraction, 0.0, 1.0);
     const std::string left = fraction > 0.0 ? clock_time(elapsed * (1.0 - fraction) / fraction) : "-:--";
     const std::string facts =
@@ -115,14 +139,32 @@ void ProgressLine::update(const Progress& progress)
                     std::floor(fraction * spp_), spp_,
                     short_count(static_cast<double>(progress.stats.rays()) / elapsed), clock_time(elapsed), left);
     if (terminal_) {
-        constexpr int width = 20;
-        const auto done = static_cast<std::size_t>(fraction * width);
-        const std::string bar = std::string(done, '#') + std::string(width - done, '.');
-        std::fputs(fmt::format("\r\033[K[{}] {}", bar, facts).c_str(), stderr);
-        std::fflush(stderr);
+        show_bar(fraction, label_, facts);
         shown_ = true;
     } else {
-        console().info(facts);
+        console().info(label_ + facts);
+    }
+}
+
+LoadLine::LoadLine() : terminal_(isatty(STDERR_FILENO) == 1) {}
+
+LoadLine::~LoadLine()
+{
+    if (terminal_ && shown_) std::fputs("\r\033[K", stderr);
+}
+
+void LoadLine::update(const LoadProgress& progress)
+{
+    if (!is_due(terminal_, last_)) return;
+    const double fraction = std::clamp(progress.fraction, 0.0, 1.0);
+    std::string what = printable(progress.what);
+    constexpr std::size_t room = 50; // of a terminal's line
+    if (what.size() > room) what = what.substr(0, room - 3) + "...";
+    if (terminal_) {
+        show_bar(fraction, "", fmt::format("{:3.0f}%  {}", std::floor(100.0 * fraction), what));
+        shown_ = true;
+    } else {
+        console().info(fmt::format("{:3.0f}%  {}", std::floor(100.0 * fraction), what));
     }
 }
 

@@ -1,6 +1,7 @@
 // What the program says while it works. Everything goes to stderr; stdout is for results.
 #pragma once
 
+#include "snell/io/load.h"
 #include "snell/render/render.h"
 #include "snell/scene/scene.h"
 
@@ -28,7 +29,7 @@ class Console
     // From now on every message is appended to that file as well. Throws Error.
     void open_log(const std::filesystem::path& file);
 
-    // One line each; line breaks in the text become spaces.
+    // One line each; line breaks and other control characters in the text become spaces.
     void error(std::string_view text);
     void warning(std::string_view text);
     void info(std::string_view text);
@@ -49,7 +50,8 @@ Console& console();
 class ProgressLine
 {
   public:
-    explicit ProgressLine(uint spp);
+    // label: begins the line, such as "frame 3/24  ".
+    explicit ProgressLine(uint spp, std::string label = {});
     ~ProgressLine(); // leaves a clean line behind
 
     void update(const Progress& progress);
@@ -57,8 +59,24 @@ class ProgressLine
   private:
     using Clock = std::chrono::steady_clock;
     uint spp_;
+    std::string label_;
     bool terminal_, shown_ = false;
     Clock::time_point started_ = Clock::now(), last_ = started_;
+};
+
+// Progress of loading a scene, in the same way.
+class LoadLine
+{
+  public:
+    LoadLine();
+    ~LoadLine(); // leaves a clean line behind
+
+    void update(const LoadProgress& progress);
+
+  private:
+    using Clock = std::chrono::steady_clock;
+    bool terminal_, shown_ = false;
+    Clock::time_point last_ = Clock::now();
 };
 
 // "950 ", "12.3 k", "4.56 M", "1.2 G": a unit goes right behind it.

@@ -54,9 +54,12 @@ static std::vector<Section> sections()
     }
 
     add_named("scene_formats", "Scene files",
-              {{".obj", "Wavefront OBJ with MTL materials"},
-               {".ply", "Stanford PLY, ASCII and binary"},
-               {".stl", "STL, ASCII and binary"}});
+              {{".gltf", "glTF 2.0, with animations, skins and material variants"},
+               {".glb", "the same in one file"},
+               {".pbrt", "pbrt-v4, and v3's names"},
+               {".obj", "Wavefront OBJ with MTL materials; also .obj.gz"},
+               {".ply", "Stanford PLY, ASCII and binary; also .ply.gz"},
+               {".stl", "STL, ASCII and binary; also .stl.gz"}});
     add_named("texture_formats", "Texture files",
               {{".png", "8 and 16 bit"},
                {".jpg", "JPEG"},

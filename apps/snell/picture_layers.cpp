@@ -46,10 +46,13 @@ Layers picture_layers(const RenderReport& report, const CameraDesc& desc)
                          {"sampler", settings.sampler},
                          {"seed", std::to_string(settings.seed)}};
     layers.numbers = {{"spp", report.spp_done}, {"seconds", report.result.stats.render_seconds}};
-    if (settings.region) { // what was not rendered is transparent, not black
-        layers.alpha.resize(film.sample_count.size());
-        for (std::size_t i = 0; i < layers.alpha.size(); ++i) layers.alpha[i] = film.sample_count[i] > 0 ? 1.0f : 0.0f;
+    if (const auto& frame = report.job.frame) {
+        layers.numbers["frame"] = static_cast<double>(*frame);
+        layers.numbers["time"] = report.job.frames->seconds(*frame);
+    } else if (report.job.scene.time) {
+        layers.numbers["time"] = *report.job.scene.time;
     }
+    layers.alpha = film.alpha(); // what was not rendered is transparent, not black
     const float half_fov = desc.fov_degrees * pi / 360.0f;
     add_matrices(layers, make_pinhole(desc.eye, desc.target, desc.up, tan(half_fov), static_cast<float>(settings.width),
                                       static_cast<float>(settings.height)));

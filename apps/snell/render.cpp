@@ -1,4 +1,4 @@
-// snell render: from a scene to picture files.
+// snell render: from a scene to picture files, of one moment or of many.
 #include "commands.h"
 #include "console.h"
 #include "interrupt.h"
@@ -8,9 +8,9 @@
 
 #include "snell/core/error.h"
 #include "snell/core/parallel.h"
-#include "snell/io/load.h"
 #include "snell/render/integrator.h"
 #include "snell/render/render.h"
+#include "snell/scene/animation.h"
 
 #include <fmt/format.h>
 
@@ -60,48 +60,62 @@ static DisplayTransform display_of(const RenderJob& job)
     return {};
 }
 
-int run_render(const Arguments& arguments)
+namespace {
+// One picture that is to be rendered.
+struct Shot
 {
-    RenderJob job;
-    if (const auto code = parse_render(arguments, job)) return *code;
-    RenderSettings& settings = job.settings;
-    set_thread_count(settings.threads);
+    const RenderJob& job;
+    const Prepared& prepared;
+    const CameraDesc& camera;
+    std::string label; // begins what is said about it: "frame 3 of 24: "
+    double load_seconds = 0;
+};
 
-    const auto start = std::chrono::steady_clock::now();
-    Scene scene = open_scene(job.scene);
-    choose_camera(scene, job.camera, static_cast<float>(settings.width) / static_cast<float>(settings.height));
-    console().notes(scene);
-    const double load_seconds = seconds_since(start);
-    console().detail(fmt::format("loaded {} in {}", job.scene, short_time(load_seconds)));
+struct Outcome
+{
+    bool written = false, whole = false;
+};
+} // namespace
 
-    const CameraDesc camera = scene.cameras[0];
-    const std::unique_ptr<Prepared> prepared = prepare(scene, settings);
-    scene = Scene{}; // all that rendering needs is packed now
-    console().detail(fmt::format("packed in {}, built the acceleration structure in {}",
-                                 short_time(prepared->pack_seconds), short_time(prepared->build_seconds)));
+static void say_numbers(const Shot& shot, const RenderReport& report)
+{
+    const std::string closing = shot.label + closing_line(report);
+    if (shot.job.frame)
+        console().detail(closing);
+    else
+        console().info(closing);
+    if (shot.job.stats == StatsReport::text)
+        for (const std::string& text : stats_lines(report)) console().info(text);
+    if (shot.job.stats == StatsReport::json) {
+        fmt::print("{}\n", stats_json(report));
+        std::fflush(stdout); // who reads along waits for it
+    }
+}
 
-    // Until here Ctrl-C simply ends the program: there is nothing to save.
-    const InterruptGuard interrupt;
-    console().detail(
-        fmt::format("rendering {}x{} at {} samples a pixel", settings.width, settings.height, settings.spp));
+static Outcome render_shot(const Shot& shot, const InterruptGuard& interrupt)
+{
+    const RenderJob& job = shot.job;
+    const RenderSettings& settings = job.settings;
+    console().detail(fmt::format("{}rendering {}x{} at {} samples a pixel", shot.label, settings.width, settings.height,
+                                 settings.spp));
     RenderResult result;
     {
-        ProgressLine line(settings.spp);
+        ProgressLine line(settings.spp, shot.label);
         result = render(
-            *prepared, settings, [&](const Progress& progress) { line.update(progress); }, &interrupt.flag());
+            shot.prepared, settings, [&](const Progress& progress) { line.update(progress); }, &interrupt.flag());
     }
-    result.stats.load_seconds = load_seconds;
-    const RenderReport report = {job, result, prepared->packed.triangles.size(),
+    result.stats.load_seconds = shot.load_seconds;
+    const RenderReport report = {job, result, shot.prepared.packed.triangles.size(),
                                  mean_spp(result.film, region_of(settings))};
 
     const bool whole = !result.stats.cancelled;
-    const int interrupted = whole ? 0 : interrupt.exit_code();
+    const bool interrupted = !whole && interrupt.exit_code() != 0;
     if (interrupted && report.spp_done == 0.0) {
-        console().info("interrupted before the first sample; no picture was written");
-        return interrupted;
+        console().info(shot.label + "interrupted before the first sample; no picture was written");
+        return {};
     }
     const Picture picture = result.film.picture();
-    const Layers layers = picture_layers(report, camera);
+    const Layers layers = picture_layers(report, shot.camera);
     const DisplayTransform display = display_of(job);
     std::string written;
     for (const auto& output : job.outputs) {
@@ -112,13 +126,94 @@ int run_render(const Arguments& arguments)
     const std::string spp = whole ? fmt::format("{:.7g}", report.spp_done)
                                   : fmt::format("{}: {:.4g} of {}", interrupted ? "interrupted" : "out of time",
                                                 report.spp_done, settings.spp);
-    console().info(fmt::format("wrote {} ({}x{}, {} samples a pixel)", written, settings.width, settings.height, spp));
+    console().info(fmt::format("{}wrote {} ({}x{}, {} samples a pixel)", shot.label, written, settings.width,
+                               settings.height, spp));
     report_dropped(result.film);
-    console().info(closing_line(report));
-    if (job.stats == StatsReport::text)
-        for (const std::string& text : stats_lines(report)) console().info(text);
-    if (job.stats == StatsReport::json) fmt::print("{}\n", stats_json(report));
-    return interrupted;
+    say_numbers(shot, report);
+    return {true, whole};
+}
+
+static void say_preparation(const Prepared& prepared)
+{
+    console().detail(fmt::format("packed in {}, built the acceleration structure in {}",
+                                 short_time(prepared.pack_seconds), short_time(prepared.build_seconds)));
+}
+
+static int render_still(const RenderJob& job, Scene scene, double load_seconds)
+{
+    const CameraDesc camera = scene.cameras[0];
+    const std::unique_ptr<Prepared> prepared = prepare(scene, job.settings);
+    scene = Scene{}; // all that rendering needs is packed now
+    say_preparation(*prepared);
+    // Until here Ctrl-C simply ends the program: there is nothing to save.
+    const InterruptGuard interrupt;
+    const Outcome outcome = render_shot({job, *prepared, camera, "", load_seconds}, interrupt);
+    return outcome.whole ? 0 : interrupt.exit_code();
+}
+
+static int render_sequence(const RenderJob& job, Scene& scene, Index<Animation> animation, double load_seconds)
+{
+    const FrameRange& frames = *job.frames;
+    for (const FramePattern& pattern : job.patterns)
+        if (pattern.changed)
+            console().info(fmt::format("numbers go before the ending: {}, ...", pattern.file(frames.first).string()));
+    if (const double last = frames.seconds(frames.end - 1),
+        duration = static_cast<double>(scene.animations[animation.value].duration);
+        last > duration)
+        console().info(fmt::format("the animation lasts {:g} s, the frames go on to {:g} s: nothing moves at the end",
+                                   duration, last));
+
+    const InterruptGuard interrupt;
+    const auto start = std::chrono::steady_clock::now();
+    uint done = 0;
+    for (uint frame = frames.first; frame != frames.end && interrupt.exit_code() == 0; ++frame) {
+        RenderJob one = job;
+        one.frame = frame;
+        one.outputs.clear();
+        for (const FramePattern& pattern : job.patterns) one.outputs.push_back(pattern.file(frame));
+        if (job.settings.timeout_seconds > 0) { // for all of them
+            one.settings.timeout_seconds = job.settings.timeout_seconds - seconds_since(start);
+            if (one.settings.timeout_seconds <= 0) break;
+        }
+        pose(scene, animation, static_cast<float>(frames.seconds(frame)));
+        const std::unique_ptr<Prepared> prepared = prepare(scene, job.settings);
+        say_preparation(*prepared);
+        const std::string label = fmt::format("frame {} of {}: ", frame - frames.first + 1, frames.count());
+        const Outcome outcome = render_shot({one, *prepared, scene.cameras[0], label, load_seconds}, interrupt);
+        if (!outcome.whole) break;
+        ++done;
+    }
+    const int code = interrupt.exit_code();
+    console().info(fmt::format("{}{} of {} frames in {}",
+                               done == frames.count() ? ""
+                               : code                 ? "interrupted: "
+                                                      : "out of time: ",
+                               done, frames.count(), short_time(seconds_since(start))));
+    return done == frames.count() ? 0 : code;
+}
+
+int run_render(const Arguments& arguments)
+{
+    RenderJob job;
+    if (const auto code = parse_render(arguments, job)) return *code;
+    set_thread_count(job.settings.threads);
+
+    const auto start = std::chrono::steady_clock::now();
+    Scene scene = open_chosen(job.scene);
+    settle_render(job, scene.hints);
+    Index<Animation> animation;
+    if (job.frames) {
+        animation = find_animation(scene, job.scene, "--frames");
+        pose(scene, animation, static_cast<float>(job.frames->seconds(job.frames->first)));
+    }
+    const RenderSettings& settings = job.settings;
+    choose_camera(scene, job.camera, static_cast<float>(settings.width) / static_cast<float>(settings.height));
+    hide_environment(scene, job.scene);
+    console().notes(scene);
+    const double load_seconds = seconds_since(start);
+    console().detail(fmt::format("loaded {} in {}", job.scene.name, short_time(load_seconds)));
+    return job.frames ? render_sequence(job, scene, animation, load_seconds)
+                      : render_still(job, std::move(scene), load_seconds);
 }
 
 } // namespace snell::app

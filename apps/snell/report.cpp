@@ -68,7 +68,13 @@ std::string stats_json(const RenderReport& report)
     const RenderStats& stats = report.result.stats;
     const RenderSettings& settings = report.job.settings;
     nlohmann::ordered_json json;
-    json["scene"] = report.job.scene;
+    json["scene"] = report.job.scene.name;
+    if (report.job.frame) {
+        json["frame"] = *report.job.frame;
+        json["time"] = report.job.frames->seconds(*report.job.frame);
+    } else if (report.job.scene.time) {
+        json["time"] = *report.job.scene.time;
+    }
     json["integrator"] = settings.integrator;
     json["width"] = settings.width;
     json["height"] = settings.height;

@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <algorithm>
 #include <charconv>
 #include <cmath>
 #include <limits>
@@ -86,13 +87,14 @@ std::pair<int, int> parse_size(std::string_view option, std::string_view text)
             static_cast<int>(parse_integer(option, parts[1], 1, 65536))};
 }
 
-std::pair<std::uint32_t, std::uint32_t> parse_range(std::string_view option, std::string_view text)
+std::pair<std::uint32_t, std::uint32_t> parse_range(std::string_view option, std::string_view text,
+                                                    std::string_view example)
 {
     const std::vector<std::string_view> parts = split(text, ':');
     const auto begin = whole<std::uint32_t>(parts[0]);
-    const auto end = parts.size() == 2 ? whole<std::uint32_t>(parts[1]) : std::nullopt;
-    if (!begin || !end || *begin >= *end)
-        throw UsageError(fmt::format("{}: '{}' is not FIRST:END, such as 0:64 for the first 64 samples", option, text));
+    const auto end = whole<std::uint32_t>(parts.back());
+    if (parts.size() != 2 || !begin || !end || *begin >= *end)
+        throw UsageError(fmt::format("{}: '{}' is not FIRST:END, such as {}", option, text, example));
     return {*begin, *end};
 }
 
@@ -117,6 +119,17 @@ void check_name(std::string_view what, std::string_view name, std::span<const st
     if (known.empty()) throw UsageError(fmt::format("there is no {} '{}', nor any other", what, name));
     throw UsageError(fmt::format("there is no {} '{}'{}; there are: {}", what, name, did_you_mean(name, known),
                                  fmt::join(known, ", ")));
+}
+
+std::size_t find_name_or_index(std::string_view option, std::string_view what, std::span<const std::string> names,
+                               std::string_view text)
+{
+    if (const auto found = std::find(names.begin(), names.end(), text); found != names.end())
+        return static_cast<std::size_t>(found - names.begin());
+    if (!names.empty() && whole<std::int64_t>(text))
+        return static_cast<std::size_t>(parse_integer(option, text, 0, static_cast<std::int64_t>(names.size()) - 1));
+    check_name(what, text, names);
+    return 0;
 }
 
 } // namespace snell::app

@@ -30,11 +30,16 @@ std::vector<double> parse_numbers(std::string_view option, std::string_view text
                                   std::string_view example);
 std::pair<int, int> parse_size(std::string_view option, std::string_view text); // 1920x1080
 // a:b with a < b, as in [a, b).
-std::pair<std::uint32_t, std::uint32_t> parse_range(std::string_view option, std::string_view text);
+std::pair<std::uint32_t, std::uint32_t> parse_range(std::string_view option, std::string_view text,
+                                                    std::string_view example);
 std::pair<std::string, std::string> parse_key_value(std::string_view option, std::string_view text);
 
 // Throws UsageError, naming the nearest one and all there are, unless name is among them.
 void check_name(std::string_view what, std::string_view name, std::span<const std::string> known);
+
+// Which of the names `text` is; or, if none, the index that it is. Throws UsageError.
+std::size_t find_name_or_index(std::string_view option, std::string_view what, std::span<const std::string> names,
+                               std::string_view text);
 
 // " (did you mean 'b'?)", or "" if nothing is near.
 std::string did_you_mean(std::string_view word, std::span<const std::string> known);
