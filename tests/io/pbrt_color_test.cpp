@@ -72,8 +72,8 @@ TEST(PbrtSpectra, ReflectancesBecomeTheColourInWhiteLight)
     expect_near(base_color("\"xyz reflectance\" [.9505 1 1.089]"), vec3(1.0f), 2e-3f);
     const Folder folder;
     folder.write("grey.spd", "# a comment\n400 .3\n700\t.3\n");
-    const Scene scene = read_pbrt(folder, std::string("WorldBegin Material \"diffuse\" \"spectrum reflectance\" \"grey.spd\"") +
-                                              a_triangle);
+    const Scene scene = read_pbrt(
+        folder, std::string("WorldBegin Material \"diffuse\" \"spectrum reflectance\" \"grey.spd\"") + a_triangle);
     expect_near(scene.materials.at(0).base_color, vec3(0.3f), 1e-5f);
     folder.write("bad.spd", "400 .3\n700 x\n");
     try {
@@ -175,8 +175,8 @@ TEST(PbrtTextures, PicturesKeepScaleMappingWrapAndFilter)
     const Scene twice = read_pbrt(folder, textured(R"(Texture "t" "spectrum" "imagemap" "string filename" "p.tga"
         Texture "u" "spectrum" "imagemap" "string filename" "p.tga" "float uscale" 4
         Texture "f" "float" "imagemap" "string filename" "p.tga" "string encoding" "linear")") +
-                                               " Material \"diffuse\" \"texture reflectance\" \"u\" Shape \"sphere\" "
-                                               "Shape \"sphere\" \"texture alpha\" \"f\"");
+                                              " Material \"diffuse\" \"texture reflectance\" \"u\" Shape \"sphere\" "
+                                              "Shape \"sphere\" \"texture alpha\" \"f\"");
     ASSERT_EQ(twice.images.size(), 2u);
     const MaterialDesc& holes = twice.materials.at(2);
     EXPECT_EQ(holes.coverage, coverage_blend);
@@ -186,8 +186,9 @@ TEST(PbrtTextures, PicturesKeepScaleMappingWrapAndFilter)
 
 TEST(PbrtTextures, CheckerboardsAreExact)
 {
-    const Scene scene = read_pbrt(textured("Texture \"t\" \"spectrum\" \"checkerboard\" \"float uscale\" 4 \"float vscale\" 2 "
-                                           "\"rgb tex1\" [.1 .2 .3] \"rgb tex2\" [.9 .8 .7]"));
+    const Scene scene =
+        read_pbrt(textured("Texture \"t\" \"spectrum\" \"checkerboard\" \"float uscale\" 4 \"float vscale\" 2 "
+                           "\"rgb tex1\" [.1 .2 .3] \"rgb tex2\" [.9 .8 .7]"));
     EXPECT_EQ(scene.images.at(0).width, 2u);
     for (int j = 0; j < 4; ++j)
         for (int i = 0; i < 8; ++i) {
@@ -214,8 +215,9 @@ TEST(PbrtTextures, WhatIsMissingIsSaid)
     EXPECT_GT(at(scene, 0.1f, 0.9f).x, 0.0f);
     EXPECT_TRUE(has_note(read_pbrt(textured("", "nowhere")), "'nowhere' is not defined"));
     EXPECT_TRUE(has_note(read_pbrt(textured("Texture \"t\" \"spectrum\" \"marble\"")), "'marble' are not there"));
-    EXPECT_TRUE(has_note(read_pbrt(textured("Texture \"t\" \"spectrum\" \"checkerboard\" \"string mapping\" \"spherical\"")),
-                         "mapping 'spherical'"));
+    EXPECT_TRUE(
+        has_note(read_pbrt(textured("Texture \"t\" \"spectrum\" \"checkerboard\" \"string mapping\" \"spherical\"")),
+                 "mapping 'spherical'"));
 }
 
 } // namespace
