@@ -2,7 +2,6 @@
 #include "snell/scene/builtin.h"
 #include "snell/scene/packed.h"
 #include "snell/scene/shapes.h"
-#include "tests/reference_scenes.h"
 
 #include <gtest/gtest.h>
 
@@ -179,27 +178,6 @@ TEST(Shapes, Checkerboard)
         const int column = static_cast<int>(middle.x / 0.5f), row = static_cast<int>(middle.z / 0.5f);
         EXPECT_EQ(board.triangle_materials[i].value, (column + row) % 2 == 0 ? 7u : 8u);
     }
-}
-
-TEST(ReferenceScenes, AreWhatTheFilesSay)
-{
-    Scene cornell = test::make_cornell_reference();
-    const PackedScene packed = pack(cornell);
-    EXPECT_EQ(packed.triangles.size(), 5u * 2u + 2u + 12u);
-    ASSERT_EQ(packed.spheres.size(), 1u);
-    EXPECT_EQ(packed.materials[packed.spheres[0].material].kind, material_dielectric);
-    EXPECT_EQ(packed.lights.size(), 2u);
-    for (const Light& light : packed.lights) {
-        EXPECT_LT(cross(light.direction, light.edge).y, 0.0f); // shines down
-        EXPECT_EQ(light.flags, 0u);
-    }
-    EXPECT_EQ(pack(test::make_cornell_diffuse_reference()).triangles.size(), 5u * 2u + 2u + 24u);
-    const PackedScene checker = pack(test::make_glass_checker_reference());
-    EXPECT_EQ(checker.triangles.size(), 512u);
-    EXPECT_EQ(checker.surfaces.size(), 2u);
-    // The square at the corner (-4, -4) is a light one.
-    EXPECT_EQ(checker.positions[checker.triangles[0].v0], vec3(-4, 0, -4));
-    EXPECT_EQ(checker.materials[checker.surfaces[checker.triangles[0].surface].material].base_color, vec3(0.8f));
 }
 
 } // namespace
