@@ -131,6 +131,7 @@ void CpuBackend::finalize(const Batch& batch, const Region& tile, uint first_sam
                     continue;
                 }
                 film.add_sample(pixel, radiance);
+                if (!film.seen_through.empty()) film.seen_through[pixel] += batch.slots[slot].sees_through;
                 if (job_.settings.layers) {
                     film.layers.emission[pixel] += layers[layer_emission];
                     film.layers.direct[pixel] += layers[layer_direct];

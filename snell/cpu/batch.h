@@ -48,6 +48,7 @@ struct ConnectionQueue
 struct SampleSlot
 {
     vec3 layers[layer_count];
+    uint sees_through; // 1: the camera ray met nothing, and no environment to be seen
 };
 
 struct Batch

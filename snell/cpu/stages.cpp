@@ -79,11 +79,19 @@ static void run_to_end(const StageContext& context, Batch& batch, const Shade& s
     }
 }
 
+// Notes for the picture's alpha that a camera ray has left a scene whose environment is hidden.
+static void note_escape(const StageContext& context, Batch& batch, const PathState& state, const Hit& hit)
+{
+    if (is_hit(hit) || state.depth > 0u || context.scene.environment.is_visible != 0u) return;
+    if ((context.params.flags & render_furnace) == 0u) batch.slots[state.slot].sees_through = 1u;
+}
+
 void run_path(const StageContext& context, Batch& batch)
 {
     run_to_end(context, batch, [&](const PathState& state, const Ray& ray, const Hit& hit) {
         const PathStep step = shade_path(context.scene, context.params, state, ray, hit);
         batch.slots[state.slot].layers[step.layer] += step.emitted;
+        note_escape(context, batch, state, hit);
         if (step.has_connection != 0u) batch.connections.push(step.connection);
         if (step.has_next != 0u) batch.next.push(step.next);
     });
@@ -94,6 +102,7 @@ void run_whitted(const StageContext& context, Batch& batch)
     run_to_end(context, batch, [&](const PathState& state, const Ray& ray, const Hit& hit) {
         const WhittedStep step = shade_whitted(context.scene, context.params, state, ray, hit);
         batch.slots[state.slot].layers[step.layer] += step.emitted;
+        note_escape(context, batch, state, hit);
         for (uint task = 0; task < step.light_tasks; ++task) {
             const Connection c = whitted_connection(context.scene, context.params, step, task);
             if (!is_black(c.value)) batch.connections.push(c);

@@ -72,6 +72,20 @@ Picture Film::picture() const
     return picture;
 }
 
+std::vector<float> Film::alpha() const
+{
+    std::vector<float> alpha(sum.size(), 1.0f);
+    bool opaque = true;
+    for (std::size_t i = 0; i < alpha.size(); ++i) {
+        const uint escaped = seen_through.empty() ? 0u : seen_through[i];
+        if (sample_count[i] > 0 && escaped == 0) continue;
+        alpha[i] = static_cast<float>(sample_count[i] - escaped) * share(sample_count[i]);
+        opaque = false;
+    }
+    if (opaque) alpha.clear();
+    return alpha;
+}
+
 template <class T>
 static void add_channels(std::vector<Channel>& channels, const std::string& layer, const std::string& components,
                          const std::vector<T>& sums, const std::vector<uint>& counts)

@@ -27,6 +27,8 @@ struct Film
     std::vector<float> square_sum;      // of squared luminance, for the variance
     std::vector<vec4> excess;           // what rounding has added to sum (xyz) and square_sum (w) beyond their due
     std::vector<uint> sample_count;     // of each pixel
+    std::vector<uint> seen_through;     // samples of each pixel that met nothing, where a hidden environment lets one
+                                        // see through the picture; empty: everything is opaque
     FilmLayers layers;                  // vectors are empty unless RenderSettings::layers
     std::vector<std::uint64_t> dropped; // (y * width + x) of the first 16 pixels with non-finite samples
     std::uint64_t dropped_samples = 0;
@@ -42,6 +44,9 @@ struct Film
     double mean_variance(std::size_t pixel) const;
     // Means; pixels without samples are black.
     Picture picture() const;
+    // The part of each pixel that something covers: premultiplied into picture(). 0 without samples; empty if all
+    // are 1.
+    std::vector<float> alpha() const;
     // The relMSE (mean of variance / (mean^2 + 0.01), on luminance) that the spread of the samples lets expect. Too
     // high for the Sobol sampler, whose samples are better than independent ones. Infinite before the second sample.
     double estimated_relmse(const Region& region) const;

@@ -101,6 +101,8 @@ RenderResult render(const Prepared& prepared, const RenderSettings& settings, co
 
     RenderResult result;
     result.film = Film(settings.width, settings.height, settings.layers);
+    if (prepared.packed.environment.is_visible == 0u)
+        result.film.seen_through.assign(result.film.sample_count.size(), 0u);
     const std::unique_ptr<Backend> backend =
         make_cpu_backend({prepared.packed, *prepared.accel, params, settings, *integrator});
 

@@ -50,14 +50,14 @@ static float light_of(const Softbox& box, vec3 w)
 static float light_of_room(vec3 w)
 {
     const float t = 0.5f + 0.5f * w.y;
-    return 0.10f + 0.30f * t * t * (3.0f - 2.0f * t);
+    return 0.07f + 0.21f * t * t * (3.0f - 2.0f * t);
 }
 
 Image make_studio_image()
 {
     const Softbox boxes[] = {
-        softbox(vec3(-0.75f, 0.75f, 0.70f), vec2(0.42f, 0.42f), 4.5f), // key
-        softbox(vec3(1.00f, 0.15f, 0.35f), vec2(0.35f, 0.60f), 0.8f),  // fill
+        softbox(vec3(-0.95f, 0.80f, 0.55f), vec2(0.42f, 0.42f), 4.5f), // key
+        softbox(vec3(1.00f, 0.15f, 0.35f), vec2(0.35f, 0.60f), 0.5f),  // fill
         softbox(vec3(0.35f, 0.85f, -0.75f), vec2(0.90f, 0.12f), 5.0f), // rim
     };
     Image image;

@@ -41,7 +41,8 @@ Raster decode_bmp(const std::filesystem::path& file, std::string_view bytes);
 
 // Encoders, each replacing `file` atomically.
 void write_exr(const std::filesystem::path& file, const Picture& picture, const Layers& layers);
-void write_png(const std::filesystem::path& file, const Picture& picture, const DisplayTransform& display);
+void write_png(const std::filesystem::path& file, const Picture& picture, const Layers& layers,
+               const DisplayTransform& display);
 void write_hdr(const std::filesystem::path& file, const Picture& picture);
 void write_pfm(const std::filesystem::path& file, const Picture& picture);
 

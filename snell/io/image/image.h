@@ -40,7 +40,7 @@ struct Layers
     // 16 values each, row by row, or empty. OpenEXR multiplies row vectors from the left: a translation is in the last
     // row.
     std::vector<float> world_to_camera, world_to_ndc;
-    std::vector<float> alpha; // root channel A; empty: 1 everywhere
+    std::vector<float> alpha; // root channel A, multiplied into the picture; empty: 1 everywhere
 };
 
 } // namespace snell

@@ -147,16 +147,23 @@ Raster decode_png(const fs::path& file, std::string_view bytes)
     return raster;
 }
 
-void write_png(const fs::path& file, const Picture& picture, const DisplayTransform& display)
+void write_png(const fs::path& file, const Picture& picture, const Layers& layers, const DisplayTransform& display)
 {
+    const bool has_alpha = !layers.alpha.empty();
+    if (has_alpha) SNELL_CHECK_EQ(layers.alpha.size(), picture.pixels.size());
     std::vector<std::uint8_t> bytes;
-    bytes.reserve(picture.pixels.size() * 3);
+    bytes.reserve(picture.pixels.size() * (has_alpha ? 4 : 3));
+    std::size_t pixel = 0;
     for (int y = 0; y < picture.height; ++y) {
-        for (int x = 0; x < picture.width; ++x) {
-            vec3 v = display_value(displayable(picture.at(x, y)), display.exposure_ev, display.curve);
+        for (int x = 0; x < picture.width; ++x, ++pixel) {
+            // PNG's colours are those of what covers the pixel; ours are multiplied with how much of it that is
+            float alpha = has_alpha ? std::clamp(layers.alpha[pixel], 0.0f, 1.0f) : 1.0f;
+            vec3 covering = alpha > 0.0f ? picture.at(x, y) / alpha : vec3(0.0f);
+            vec3 v = display_value(displayable(covering), display.exposure_ev, display.curve);
             // One threshold for all three channels: what is grey stays grey.
             float threshold = dither_threshold(x, y);
             for (float c : {v.x, v.y, v.z}) bytes.push_back(quantize(c, threshold));
+            if (has_alpha) bytes.push_back(quantize(alpha, 0.5f));
         }
     }
     write_atomically(file, [&](const fs::path& temporary) {
@@ -164,7 +171,7 @@ void write_png(const fs::path& file, const Picture& picture, const DisplayTransf
         image.version = PNG_IMAGE_VERSION;
         image.width = static_cast<png_uint_32>(picture.width);
         image.height = static_cast<png_uint_32>(picture.height);
-        image.format = PNG_FORMAT_RGB;
+        image.format = has_alpha ? PNG_FORMAT_RGBA : PNG_FORMAT_RGB;
         if (!png_image_write_to_file(&image, temporary.c_str(), 0, bytes.data(), 0, nullptr))
             throw Error({file.string()}, fmt::format("writing the PNG file failed: {}", image.message),
                         "check the disk's free space");

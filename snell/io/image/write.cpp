@@ -50,7 +50,7 @@ void write_picture(const fs::path& file, const Picture& picture, const Layers& l
     case Format::exr:
         return write_exr(file, picture, layers);
     case Format::png:
-        return write_png(file, picture, display);
+        return write_png(file, picture, layers, display);
     case Format::hdr:
         return write_hdr(file, picture);
     case Format::pfm:

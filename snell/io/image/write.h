@@ -14,7 +14,8 @@ struct DisplayTransform
     uint curve = tone_none; // tone_*
 };
 
-// By ending: .exr (float32, with layers), .png (8 bit, sRGB curve, dithered), .hdr, .pfm. Throws Error.
+// By ending: .exr (float32, with layers), .png (8 bit, sRGB curve, dithered; with Layers::alpha, not multiplied into
+// the colours), .hdr, .pfm. Throws Error.
 void write_picture(const std::filesystem::path& file, const Picture& picture, const Layers& layers = {},
                    const DisplayTransform& display = {});
 
