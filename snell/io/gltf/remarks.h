@@ -54,7 +54,7 @@ class Budget
     }
 
   private:
-    std::atomic<std::uint64_t> limit_ = std::uint64_t{2} << 30;
+    std::atomic<std::uint64_t> limit_ = std::uint64_t{1} << 28;
     std::atomic<std::uint64_t> spent_ = 0;
 };
 
