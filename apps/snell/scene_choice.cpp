@@ -27,9 +27,11 @@ void add_scene_options(Options& options, SceneChoice& choice)
     options.group("Light from afar");
     options.value("--environment", "FILE", "A picture (.exr .hdr) of what is around, in place of the scene's",
                   [&](const std::string& text) { choice.environment = text; });
-    options.value("--environment-rotation", "DEGREES", "Turn it about +Y", [&](const std::string& text) {
-        choice.environment_rotation = static_cast<float>(parse_number("--environment-rotation", text, -any, any));
-    });
+    options.value("--environment-rotation", "DEGREES", "Turn it about +Y; what the camera sees goes to the right",
+                  [&](const std::string& text) {
+                      choice.environment_rotation =
+                          static_cast<float>(parse_number("--environment-rotation", text, -any, any));
+                  });
     options.value("--environment-scale", "X", "Make it that many times as bright", [&](const std::string& text) {
         choice.environment_scale = static_cast<float>(parse_number("--environment-scale", text, 0.0, 1e9));
     });
@@ -77,7 +79,8 @@ static void light_from_afar(Scene& scene, const SceneChoice& choice)
     if (!environment.image.valid() && is_black(environment.radiance))
         throw UsageError(fmt::format("{}: the scene has no environment; give one with --environment FILE",
                                      choice.environment_rotation ? "--environment-rotation" : "--environment-scale"));
-    environment.to_world = compose(rotation(vec3(0.0f, 1.0f, 0.0f), degrees), environment.to_world);
+    // As set_environment() turns: what a camera sees goes to the right.
+    environment.to_world = compose(rotation(vec3(0.0f, 1.0f, 0.0f), -degrees), environment.to_world);
     environment.radiance *= scale;
 }
 

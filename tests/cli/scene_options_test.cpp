@@ -253,21 +253,38 @@ void write_map(const std::filesystem::path& file)
 TEST_F(SceneOptions, Environments)
 {
     write_map(program.folder() / "map.exr");
-    const auto seen = [&](std::vector<std::string> more) {
-        // Past the lamp, along the axis where one half is seen.
-        for (const char* word : {"--eye", "0,0,50", "--target", "100,0,50", "--fov", "20"}) more.emplace_back(word);
-        more.insert(more.begin(), "still.gltf");
-        return sum(picture(more)) / (24.0f * 16.0f);
+    // The mean of what is seen far from the lamp, looking to the middle of the map.
+    const auto seen = [&](const std::vector<std::string>& more) {
+        std::vector<std::string> words = {"still.gltf", "--eye", "0,0,-50",       "--target", "0,0,-90",
+                                          "--fov",      "10",    "--environment", "map.exr"};
+        words.insert(words.end(), more.begin(), more.end());
+        return sum(picture(words)) / (24.0f * 16.0f);
     };
-    const vec3 plain = seen({"--environment", "map.exr"});
-    const bool red = plain.x > plain.y;
-    EXPECT_NEAR(red ? plain.x : plain.y, red ? 3.0f : 2.0f, 1e-3f);
-    EXPECT_NEAR(red ? plain.y : plain.x, 0.0f, 1e-3f);
-    const vec3 turned = seen({"--environment", "map.exr", "--environment-rotation", "-180"});
-    EXPECT_NEAR(red ? turned.y : turned.x, red ? 2.0f : 3.0f, 1e-3f);
-    const vec3 bright = seen({"--environment", "map.exr", "--environment-scale", "2.5"});
-    for (int i = 0; i < 3; ++i) EXPECT_NEAR(bright[i], 2.5f * plain[i], 1e-3f);
-    EXPECT_EQ(seen({"--environment", "map.exr", "--hide-environment"}), vec3(0.0f));
+    const auto expect_near = [](vec3 a, vec3 b) {
+        for (int i = 0; i < 3; ++i) EXPECT_NEAR(a[i], b[i], 1e-3f) << "component " << i;
+    };
+    const vec3 both = seen({});
+    EXPECT_NEAR(both.x, 1.5f, 0.2f);
+    EXPECT_NEAR(both.y, 1.0f, 0.2f);
+    expect_near(seen({"--environment-rotation", "60"}), {3, 0, 0}); // the left half goes to the right
+    expect_near(seen({"--environment-rotation", "-60"}), {0, 2, 0});
+    expect_near(seen({"--environment-rotation=60", "--environment-scale", "2.5"}), {7.5f, 0, 0});
+    EXPECT_EQ(seen({"--environment-rotation", "60", "--hide-environment"}), vec3(0.0f));
+}
+
+TEST_F(SceneOptions, TheScenesOwnEnvironment)
+{
+    program.write("sky.pbrt", R"(LookAt 0 0 5  0 0 9  0 1 0
+Camera "perspective" "float fov" 40
+WorldBegin
+LightSource "infinite" "rgb L" [0.5 1 2]
+Shape "sphere"
+)");
+    const vec3 plain = sum(picture({"sky.pbrt"})), bright = sum(picture({"sky.pbrt", "--environment-scale", "3"}));
+    EXPECT_GT(plain.z, 1.0f);
+    for (int i = 0; i < 3; ++i) EXPECT_NEAR(bright[i], 3.0f * plain[i], 1e-4f * bright[i]);
+    EXPECT_EQ(sum(picture({"sky.pbrt", "--environment-rotation", "77"})), plain); // the same all around
+    EXPECT_EQ(sum(picture({"sky.pbrt", "--hide-environment"})), vec3(0.0f));
 }
 
 TEST_F(SceneOptions, EnvironmentsThatAreNoGood)
