@@ -114,6 +114,38 @@ TEST(PbrtErrors, HostileFilesEndInTime)
     EXPECT_LT(std::chrono::steady_clock::now() - start, std::chrono::seconds(60));
 }
 
+TEST(PbrtErrors, DamagedFilesGiveAnErrorOrAScene)
+{
+    const std::string whole =
+        std::string(
+            "LookAt 0 0 5 0 0 0 0 1 0 Camera \"perspective\" \"float fov\" 40 WorldBegin\n"
+            "Texture \"t\" \"spectrum\" \"checkerboard\" \"rgb tex1\" [1 0 0]\n"
+            "MakeNamedMaterial \"m\" \"string type\" \"coateddiffuse\" \"texture reflectance\" \"t\"\n"
+            "AttributeBegin NamedMaterial \"m\" Shape \"bilinearmesh\" \"point3 P\" [0 0 0 1 0 0 0 1 0 1 1 1]\n"
+            "ObjectBegin \"o\" Shape \"sphere\" \"float radius\" .5 ObjectEnd ObjectInstance \"o\" AttributeEnd\n"
+            "AreaLightSource \"diffuse\" \"spectrum L\" [400 1 700 2] \"float power\" 3 ") +
+        a_triangle;
+    const Folder folder;
+    std::size_t scenes = 0, errors = 0;
+    const auto load = [&](const std::string& text) {
+        try {
+            Scene scene = read_pbrt(folder, text);
+            validate(scene);
+            ++scenes;
+        } catch (const Error&) {
+            ++errors;
+        }
+    };
+    for (std::size_t i = 0; i < whole.size(); i += 3) load(whole.substr(0, i));
+    for (std::size_t i = 0; i < whole.size(); i += 3) {
+        std::string damaged = whole;
+        damaged[i] = "\"[]9-e#\n"[i / 3 % 8];
+        load(damaged);
+    }
+    EXPECT_GT(scenes, 50u);
+    EXPECT_GT(errors, 50u);
+}
+
 TEST(PbrtNotes, UnknownThingsAreNotedOnceWithTheirPlace)
 {
     const Scene scene = read_pbrt("WorldBegin\nFrobnicate \"x\" \"float y\" [ 1 2 ]\nFrobnicate 1 2\n"
@@ -169,7 +201,12 @@ TEST(PbrtIncludes, AreReadInPlaceAndFilesFoundFromTheScene)
     expect_near(scene.materials[0].base_color, vec3(0.1f, 0.2f, 0.3f), 1e-6f);
     const Scene imported = read_pbrt(folder, "WorldBegin Import \"sub/part.pbrt\" Shape \"sphere\"");
     EXPECT_EQ(imported.instances[0].transform.x.w, 0.0f);
-    EXPECT_THROW(read_pbrt(folder, "Include \"nothing.pbrt\""), Error);
+    try {
+        read_pbrt(folder, "Identity\nInclude \"nothing.pbrt\"");
+        FAIL();
+    } catch (const Error& error) {
+        EXPECT_EQ(error.place.line, 2);
+    }
     LoadOptions sandbox;
     sandbox.sandbox = true;
     EXPECT_THROW(read_pbrt(folder, "Include \"/etc/hosts\"", sandbox), Error);

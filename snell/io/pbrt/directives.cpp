@@ -1,7 +1,9 @@
 // The directives of a pbrt file, one after the other.
 #include "snell/io/file.h"
+#include "snell/io/gzip.h"
 #include "snell/io/pbrt/loader.h"
 #include "snell/io/text_cursor.h"
+#include "snell/io/text_encoding.h"
 
 #include <cmath>
 
@@ -120,7 +122,12 @@ void Reader::file(const std::filesystem::path& path, const Spot& from)
     if (included_.depth >= most_includes)
         throw Error(from.place(), fmt::format("files are included within each other more than {} deep", most_includes),
                     "does a file include itself?");
-    const std::string text = read_file(path);
+    std::error_code error;
+    if (from.file != nullptr && !std::filesystem::exists(path, error))
+        throw Error(from.place(), fmt::format("the file to include, {}, is not there", name), "check the path");
+    std::string bytes = read_file(path);
+    if (is_gzip(bytes)) bytes = gunzip(name, bytes);
+    const std::string text = to_utf8(std::move(bytes));
     const auto [known, is_new] = included_.sizes.emplace(name, text.size());
     if (is_new) included_.distinct += text.size();
     included_.total += text.size();
@@ -444,13 +451,7 @@ bool Reader::state_directive(const Token& token, Tokenizer& tokens)
             loader_.warn(spot, "space " + name,
                          fmt::format("the colour space {} is unknown; srgb is used", show_word(name)));
     } else if (word == "Option") {
-        const ParameterList list = ParameterList::read(tokens, spot, loader_.notes);
-        if (const std::optional<int> seed = list.integer("seed")) loader_.scene.hints.seed = static_cast<uint>(*seed);
-        for (const Parameter& option : list.all())
-            if (!option.used)
-                loader_.inform(spot, "option " + option.name,
-                               fmt::format("the option {} is ignored: options are given on the command line",
-                                           show_word(option.name)));
+        set_option(loader_, ParameterList::read(tokens, spot, loader_.notes));
     } else if (word == "Volume" || word == "VolumeIntegrator" || word == "Renderer") {
         string(tokens, token);
         ParameterList::read(tokens, spot, loader_.notes);

@@ -177,6 +177,7 @@ void set_camera(Loader& loader, const std::string& type, const ParameterList& pa
 void finish_options(Loader& loader); // when all has been read
 void set_film(Loader& loader, const std::string& type, const ParameterList& parameters);
 void set_sampler(Loader& loader, const std::string& type, const ParameterList& parameters);
+void set_option(Loader& loader, const ParameterList& parameters);
 void set_filter(Loader& loader, const std::string& type, const ParameterList& parameters);
 void set_accelerator(Loader& loader, const std::string& type, const ParameterList& parameters);
 void set_integrator(Loader& loader, const std::string& type, const ParameterList& parameters);

@@ -166,6 +166,16 @@ void set_sampler(Loader& loader, const std::string& type, const ParameterList& p
     parameters.report_unused(fmt::format("Sampler \"{}\"", type.substr(0, 40)), loader.notes);
 }
 
+void set_option(Loader& loader, const ParameterList& parameters)
+{
+    if (const std::optional<int> seed = parameters.integer("seed")) loader.scene.hints.seed = static_cast<uint>(*seed);
+    for (const Parameter& option : parameters.all())
+        if (!option.used)
+            loader.inform(
+                option.spot, "option " + option.name,
+                fmt::format("the option {} is ignored: options are given on the command line", show_word(option.name)));
+}
+
 void set_filter(Loader& loader, const std::string& type, const ParameterList& parameters)
 {
     const float x = parameters.number("xradius", parameters.number("xwidth", 0.5f));

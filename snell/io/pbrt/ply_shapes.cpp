@@ -15,7 +15,7 @@ struct Loaded
     std::string missing;
 };
 
-Loaded read(const PlyFile& file)
+Loaded read(const PlyFile& file, bool sandbox)
 {
     Loaded loaded;
     std::error_code error;
@@ -23,7 +23,9 @@ Loaded read(const PlyFile& file)
         loaded.missing = fmt::format("{}: no such file; what it holds is left out", file.path.string());
         return loaded;
     }
-    Scene scene = load_ply(file.path);
+    LoadOptions options;
+    options.sandbox = sandbox;
+    Scene scene = load_ply(file.path, options);
     loaded.notes = std::move(scene.notes);
     if (!scene.meshes.empty()) loaded.mesh = std::move(scene.meshes[0]);
     return loaded;
@@ -100,7 +102,7 @@ void load_all_plys(Loader& loader)
     std::vector<std::vector<Note>> notes(loader.plys.size());
     parallel_for(loader.plys.size(), [&](std::size_t i) {
         const PlyFile& file = loader.plys[i];
-        Loaded loaded = read(file);
+        Loaded loaded = read(file, loader.options.sandbox);
         missing[i] = std::move(loaded.missing);
         notes[i] = std::move(loaded.notes);
         for (std::size_t use = 0; use + 1 < file.uses.size(); ++use) fill(loader.scene, file.uses[use], loaded.mesh);

@@ -10,8 +10,6 @@ Tokenizer::Tokenizer(const std::string& file, std::string_view text)
     : file_(&file), p_(text.data()), end_(text.data() + text.size()), line_start_(p_)
 {
     if (text.starts_with("\xef\xbb\xbf")) p_ += 3; // a byte order mark
-    if (text.starts_with("\xff\xfe") || text.starts_with("\xfe\xff"))
-        throw Error({file, 1, 1}, "is UTF-16 text", "save it as UTF-8");
     line_start_ = p_;
 }
 
