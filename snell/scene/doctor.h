@@ -56,7 +56,7 @@ struct SceneReport
     std::size_t texture_bytes = 0;
     std::size_t packed_bytes = 0;
     std::size_t accel_bytes = 0; // forecast for the default accelerator, to about a tenth
-    std::size_t peak_bytes = 0;  // forecast for rendering, without the film: all of the above and what building takes
+    std::size_t peak_bytes = 0;  // forecast for rendering, to about a tenth, without the film
 
     // By severity, the gravest first; of one kind there are at most `listed_of_a_kind`, and then one that counts the
     // rest.
