@@ -16,10 +16,11 @@ Raster decode_webp(const fs::path& file, std::string_view bytes)
         throw Error({file.string()}, "not a good WebP file", "write the file again");
     if (features.has_animation)
         throw Error({file.string()}, "an animated WebP file", "save one of its pictures by itself");
-    // A picture of one colour takes a few dozen bytes at any size.
+    // A picture of one colour takes a few dozen bytes at any size; larger ones than usual must have more to show.
+    constexpr std::uint64_t usual = 1 << 24;
     const std::uint64_t texels =
         static_cast<std::uint64_t>(features.width) * static_cast<std::uint64_t>(features.height);
-    check_size(file, features.width, features.height, texels >> 20, bytes.size());
+    check_size(file, features.width, features.height, texels > usual ? texels / 4096 : 0, bytes.size());
 
     Raster raster;
     raster.width = features.width;
