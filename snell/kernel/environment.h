@@ -27,7 +27,7 @@ SNELL_FN vec3 octahedral_direction(vec2 p)
 // The inverse; w has unit length.
 SNELL_FN vec2 octahedral_point(vec3 w)
 {
-    float r = safe_sqrt(1.0f - abs(w.z));
+    float r = sqrt((w.x * w.x + w.y * w.y) / (1.0f + abs(w.z))); // 1 - |z|, with all digits near the poles
     float turn = w.x == 0.0f && w.y == 0.0f ? 0.0f : atan(abs(w.y), abs(w.x)) * (2.0f * inv_pi); // of the quadrant
     float v = turn * r;
     float u = r - v;

@@ -61,16 +61,18 @@ TEST(Studio, TheKeyLightIsOverTheCamerasLeftShoulder)
         validate(scene);
         const PackedScene packed = pack(scene);
         const SceneView view = packed.view();
-        vec3 key(0.0f);
-        for (const vec3 w : directions(5000))
-            key += sqr(sqr(environment_radiance(view, w).y)) * w; // about the brightest
-        key = normalize(key);
         const vec3 up = normalize(camera.up);
-        const vec3 forward = normalize(camera.target - camera.eye);
-        const vec3 right = normalize(cross(forward, up)) * (camera.mirrored ? -1.0f : 1.0f); // of the picture
-        EXPECT_LT(dot(key, right), -0.2f) << i;
+        const vec3 across = normalize(cross(camera.target - camera.eye, up));
+        const vec3 back = cross(across, up);
+        const vec3 right = across * (camera.mirrored ? -1.0f : 1.0f); // of the picture
+        vec3 key(0.0f);                                               // about the brightest on the camera's side
+        for (const vec3 w : directions(5000))
+            if (dot(w, back) > 0.0f) key += sqr(sqr(environment_radiance(view, w).y)) * w;
+        key = normalize(key);
+        EXPECT_LT(dot(key, right), -0.4f) << i;
         EXPECT_GT(dot(key, up), 0.3f) << i;
-        EXPECT_LT(dot(key, normalize(forward - dot(forward, up) * up)), -0.05f) << i;
+        EXPECT_GT(shown(view, -right), 1.5 * shown(view, right)) << i;
+        EXPECT_GT(shown(view, up), 3.0 * shown(view, -up)) << i;
     }
 }
 
@@ -136,7 +138,8 @@ TEST(Lit, LampsLightAndGlowingDetailsDoNot)
 
     // scaled: it is the placed size that counts
     Scene scaled = box_scene();
-    const auto small = add(scaled, MaterialDesc{"", material_diffuse, vec3(0.0f), vec3(1.0f)});
+    glow.emission = vec3(1.0f);
+    const auto small = add(scaled, glow);
     place(scaled, make_box("", vec3(-0.02f), vec3(0.02f), small));
     EXPECT_FALSE(is_lit(scaled));
     scaled.instances[1].transform = scaling(vec3(20.0f));
@@ -206,7 +209,6 @@ TEST(PackEnvironment, LargePicturesAreSampledInFewerCells)
     for (const float u : {0.99999f, 0.9998f, 0.9996f, 0.9994f, 0.00001f, 0.0001f}) {
         const vec3 w = environment_direction(packed.environment, vec2(u, 0.2f));
         EXPECT_EQ(pdf_environment(view, w) > 0.0f, true) << u;
-        if (environment_radiance(view, w).x > 0.0f) EXPECT_GT(pdf_environment(view, w), 0.0f) << u;
     }
 }
 
