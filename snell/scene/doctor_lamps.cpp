@@ -17,7 +17,7 @@ namespace {
 // A point of a surface in the world.
 struct SurfacePoint
 {
-    vec3 position, normal; // unit length, on the side of the winding
+    vec3 position, normal; // unit length, on the side that a lamp shines to
     float area;
     uint instance, mesh, material;
 };
@@ -29,6 +29,14 @@ struct Shining
     std::vector<std::size_t> sampled; // some of them
 };
 } // namespace
+
+// Whether the vertex normals say that outside is on the other side than the winding does.
+static bool is_turned(const Mesh& mesh, uvec3 t)
+{
+    if (mesh.normals.empty()) return false;
+    const vec3 n = cross(mesh.positions[t.y] - mesh.positions[t.x], mesh.positions[t.z] - mesh.positions[t.x]);
+    return dot(n, mesh.normals[t.x] + mesh.normals[t.y] + mesh.normals[t.z]) < 0.0f;
+}
 
 // The middle of a triangle where it stands in the world. A map that mirrors keeps the side of the normal.
 static SurfacePoint middle_of(const Scene& scene, uint mesh_index, uint instance, std::size_t triangle)
@@ -43,7 +51,8 @@ static SurfacePoint middle_of(const Scene& scene, uint mesh_index, uint instance
     const bool is_seen = size > 0.0 && std::isfinite(size);
     SurfacePoint point;
     point.position = vec3((a + b + c) / 3.0);
-    point.normal = is_seen ? (determinant(m) < 0.0f ? -1.0f : 1.0f) * vec3(n / size) : vec3(0.0f);
+    const float side = (determinant(m) < 0.0f) != is_turned(mesh, t) ? -1.0f : 1.0f;
+    point.normal = is_seen ? side * vec3(n / size) : vec3(0.0f);
     point.area = is_seen ? static_cast<float>(0.5 * size) : 0.0f;
     point.instance = instance;
     point.mesh = mesh_index;
@@ -127,10 +136,8 @@ static void check_lamp(const Scene& scene, uint mesh_index, uint instance, uint 
     const std::string who =
         fmt::format("{} (material {})", mesh_label(scene, mesh_index), label(scene.materials[material].name, material));
     const Topology& shape = facts.topology;
-    const double size = static_cast<double>(length(facts.bounds.extent()));
     const bool is_solid = shape.is_closed() && shape.is_oriented();
-    // Unlike for glass, it is the winding that says where a lamp's light goes.
-    if (is_solid && shape.volume < -1e-7 * size * size * size) {
+    if (is_solid && faces_inwards(mesh, facts, shape)) {
         findings.add("hidden-lamp", Severity::doubtful,
                      fmt::format("{} is a closed lamp that is inside out: it shines into itself; flip its triangles, "
                                  "or let it shine on both sides",

@@ -75,6 +75,9 @@ inline uint material_of(const Mesh& mesh, std::size_t triangle)
 {
     return (mesh.triangle_materials.empty() ? mesh.material : mesh.triangle_materials[triangle]).value;
 }
+// Whether a closed and oriented part of a mesh is inside out. Vertex normals, where there are any, say which side is
+// outside.
+bool faces_inwards(const Mesh& mesh, const MeshFacts& facts, const Topology& part);
 // Whether light is refracted into what the surface encloses.
 bool is_solid_glass(const MaterialDesc& material);
 bool is_emissive(const MaterialDesc& material);

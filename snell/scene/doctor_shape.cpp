@@ -18,13 +18,12 @@ static std::string glass_label(const Scene& scene, const Mesh& mesh)
     return "?";
 }
 
-// Vertex normals, where there are any, say which side is outside.
-static bool faces_inwards(const Mesh& mesh, const MeshFacts& facts, const Topology& topology)
+bool faces_inwards(const Mesh& mesh, const MeshFacts& facts, const Topology& part)
 {
     const double size = static_cast<double>(length(facts.bounds.extent()));
     const double least = 1e-7 * size * size * size; // what is flatter encloses nothing
     const bool normals_decide = facts.against_normals * 2 > mesh.triangles.size();
-    const double volume = normals_decide ? -topology.volume : topology.volume;
+    const double volume = normals_decide ? -part.volume : part.volume;
     return volume < -least;
 }
 

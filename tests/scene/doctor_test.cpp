@@ -348,7 +348,7 @@ TEST(Doctor, SeesWhatIsInsideOut)
 
 TEST(Doctor, VertexNormalsSayWhatIsOutside)
 {
-    // Wound inwards, but with normals that point outwards: looks right, but for lamps.
+    // Wound inwards, but with normals that point outwards.
     expect_only(examined([](Scene& s) {
                     Mesh ring = make_torus("ring", 1.0f, 0.3f, 24, 12, add_glass(s));
                     turn_over(ring);
@@ -494,6 +494,27 @@ TEST(Doctor, SeesLampsThatFaceAway)
             material.two_sided_emission = true;
         });
     }));
+}
+
+TEST(Doctor, ALampShinesToTheSideOfItsVertexNormals)
+{
+    const auto room = [](float y, bool turned) {
+        return [=](Scene& s) {
+            add_room(s, [=](Mesh& lamp, MaterialDesc&) {
+                lamp.normals.assign(4, vec3(0, y, 0));
+                if (turned) turn_over(lamp);
+            });
+        };
+    };
+    const auto kinds = [](const SceneReport& report) {
+        std::string all;
+        for (const Finding& f : report.findings) all += f.kind + " ";
+        return all;
+    };
+    EXPECT_EQ(kinds(examined(room(-1, false))), "");
+    EXPECT_EQ(kinds(examined(room(-1, true))), "normals-against-winding ");
+    EXPECT_EQ(kinds(examined(room(1, true))), "lamp-faces-away ");
+    EXPECT_EQ(kinds(examined(room(1, false))), "lamp-faces-away normals-against-winding ");
 }
 
 TEST(Doctor, AMirroringTransformDoesNotTurnALampOver)
