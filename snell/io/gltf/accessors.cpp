@@ -279,6 +279,18 @@ std::vector<uint> Accessors::indices(int index, const std::string& who) const
     return vectors<uint, uint>(index, 1, who, {});
 }
 
+std::vector<uvec3> Accessors::triangles(int index, const std::string& who) const
+{
+    const tinygltf::Accessor& accessor = info(index, who);
+    elements(index, 1, who); // checked before memory is asked for
+    budget_.charge(accessor.count / 3 + 1, sizeof(uvec3), who + ": ");
+    std::vector<uvec3> out((accessor.count + 2) / 3);
+    read(index, 1, who, {}, reinterpret_cast<uint*>(out.data()));
+    if (accessor.sparse.isSparse) read_sparse(index, 1, who, reinterpret_cast<uint*>(out.data()));
+    out.resize(accessor.count / 3);
+    return out;
+}
+
 std::vector<uvec4> Accessors::joints(int index, const std::string& who, std::span<const uint> which) const
 {
     return vectors<uvec4, uint>(index, 4, who, which);

@@ -30,8 +30,9 @@ class Accessors
     std::vector<vec4> vec4s(int index, const std::string& who, std::span<const uint> which = {}) const;
     // Colours of three or four numbers; without a fourth it is 1.
     std::vector<vec4> colors(int index, const std::string& who, std::span<const uint> which = {}) const;
-    // Unsigned integers.
+    // Unsigned integers; triangles() takes three at a time and leaves out what remains.
     std::vector<uint> indices(int index, const std::string& who) const;
+    std::vector<uvec3> triangles(int index, const std::string& who) const;
     std::vector<uvec4> joints(int index, const std::string& who, std::span<const uint> which = {}) const;
 
   private:

@@ -45,6 +45,7 @@ class Converter
             // It shows its base colour, whatever else it has.
             out_.kind = material_unlit;
             out_.principled = PrincipledDesc{};
+            out_.single_sided = !source_.doubleSided;
             return std::move(out_);
         }
         surface();
@@ -54,6 +55,8 @@ class Converter
         transmission();
         anisotropy();
         iridescence();
+        const PrincipledDesc& p = out_.principled;
+        out_.single_sided = !source_.doubleSided && p.transmission == 0.0f && p.diffuse_transmission == 0.0f;
         return std::move(out_);
     }
 

@@ -139,23 +139,26 @@ class Reader
             check_range(triangles);
             return;
         }
-        std::vector<uint> indices;
         const bool is_indexed = source_.indices >= 0;
-        if (is_indexed) indices = accessors_.indices(source_.indices, who_ + ", indices");
-        const std::size_t corners = is_indexed ? indices.size() : vertices_;
-        budget_.charge(corners, sizeof(uvec3), who_ + ": ");
-        const auto corner = [&](std::size_t i) { return is_indexed ? indices[i] : static_cast<uint>(i); };
+        const std::string who = who_ + ", indices";
+        const std::size_t corners = is_indexed ? accessors_.count(source_.indices, who) : vertices_;
         if (source_.mode == TINYGLTF_MODE_TRIANGLES) {
             if (corners % 3 != 0)
                 out_.remarks.warn("corners", fmt::format("{} has {} corners, which is no multiple of 3; the last are "
                                                          "left out",
                                                          who_, corners));
-            triangles.resize(corners / 3);
-            parallel_ranges(triangles.size(), grain, [&](std::size_t begin, std::size_t end) {
-                for (std::size_t i = begin; i < end; ++i)
-                    triangles[i] = uvec3(corner(3 * i), corner(3 * i + 1), corner(3 * i + 2));
-            });
+            if (is_indexed) {
+                triangles = accessors_.triangles(source_.indices, who);
+            } else {
+                budget_.charge(corners / 3, sizeof(uvec3), who_ + ": ");
+                triangles.resize(corners / 3);
+                for (uint i = 0; i < triangles.size(); ++i) triangles[i] = uvec3(3 * i, 3 * i + 1, 3 * i + 2);
+            }
         } else if (corners >= 3) {
+            std::vector<uint> indices;
+            if (is_indexed) indices = accessors_.indices(source_.indices, who);
+            const auto corner = [&](std::size_t i) { return is_indexed ? indices[i] : static_cast<uint>(i); };
+            budget_.charge(corners, sizeof(uvec3), who_ + ": ");
             triangles.resize(corners - 2);
             const bool is_fan = source_.mode == TINYGLTF_MODE_TRIANGLE_FAN;
             for (std::size_t i = 0; i < triangles.size(); ++i) {
