@@ -198,6 +198,20 @@ TEST(PbrtLights, PowerIsThatOfEachTriangle)
                 vec3(10 / (3.14159265f * 2.0f)), 1e-3f);
 }
 
+TEST(PbrtLights, PowerIsThatOfAWholeDiskPatchOrSphere)
+{
+    const char* const shapes[] = {"\"disk\" \"float radius\" 2",
+                                  "\"bilinearmesh\" \"point3 P\" [0 0 0 2 0 0 0 3 0 2 3 0]",
+                                  "\"sphere\" \"float radius\" 3"};
+    const float areas[] = {4 * 3.14159265f, 6.0f, 36 * 3.14159265f};
+    for (std::size_t i = 0; i < 3; ++i) {
+        const Scene scene =
+            read_pbrt(std::string("WorldBegin AreaLightSource \"diffuse\" \"float power\" 7 Shape ") + shapes[i]);
+        ASSERT_EQ(scene.materials.size(), 1u) << shapes[i];
+        EXPECT_NEAR(scene.materials[0].emission.x * areas[i] * 3.14159265f, 7.0f, 1e-3f) << shapes[i];
+    }
+}
+
 TEST(PbrtShapes, Quadrics)
 {
     const double pi = 3.14159265358979;

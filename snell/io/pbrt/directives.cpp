@@ -199,6 +199,7 @@ bool Reader::transform_directive(const Token& token, Tokenizer& tokens)
                         "this LookAt has no direction: eye and target are one, or up is along the view",
                         "give it others");
         apply(*m);
+        loader_.look = Look{{n[0], n[1], n[2]}, {n[3], n[4], n[5]}, {n[6], n[7], n[8]}};
     } else if (word == "Transform" || word == "ConcatTransform") {
         const auto n = numbers<16>(tokens, token);
         Matrix m;
@@ -328,6 +329,10 @@ void Reader::place_object(const std::string& name, const Spot& spot)
     }
     InstanceDesc instance;
     instance.name = name;
+    // ours: as a shape's
+    if (const auto given = loader_.state.defaults.find("shape"); given != loader_.state.defaults.end())
+        for (const Parameter& parameter : *given->second)
+            if (parameter.name == "instance" && !parameter.strings.empty()) instance.name = parameter.strings[0];
     instance.group = group;
     instance.transform = to_transform(loader_.ctm());
     add(loader_.scene, instance);

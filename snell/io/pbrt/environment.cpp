@@ -61,7 +61,9 @@ std::optional<Transform> rotation_of(const Matrix& m, bool is_latitudes)
     const std::optional<Matrix> inverse = invert(m);
     if (!inverse) return {};
     glm::dmat3 axes(m);
-    for (int i = 0; i < 3; ++i) axes[i] = glm::normalize(axes[i]);
+    for (int i = 0; i < 3; ++i)
+        if (std::abs(glm::length(axes[i]) - 1.0) > 1e-6)
+            axes[i] = glm::normalize(axes[i]); // else: as they are, exactly
     // v3: +z is up, and u grows with the angle from +x to +y; ours: +Y up, -Z in the middle, +X right of it.
     if (is_latitudes) axes = axes * glm::dmat3(glm::dvec3(0, -1, 0), glm::dvec3(0, 0, 1), glm::dvec3(1, 0, 0));
     Matrix turned(1.0);
@@ -102,7 +104,7 @@ void add_environment(Loader& loader, const ParameterList& parameters)
         loader.even_light += radiance;
         return;
     }
-    image.name = name;
+    image.name = parameters.text("name", name); // ours
     // v4 maps are square, those of v3 twice as wide as high.
     const bool is_square = image.width == image.height;
     const bool is_octahedral = mapping.empty() ? is_square && !loader.is_v3 : mapping == "octahedral";

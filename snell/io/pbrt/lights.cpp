@@ -19,7 +19,10 @@ vec3 direction_between(Loader& loader, const ParameterList& parameters)
                     "a light from and to the same point has no direction; it shines along +z");
         direction = vec3(0, 0, 1);
     }
-    return normalize(transform_vector(loader.ctm(), direction));
+    direction = transform_vector(loader.ctm(), direction);
+    // As it is where its square is far from overflow: the length of a direction says nothing.
+    const float size = length(direction);
+    return size > 1e-9f && size < 1e9f ? direction : vec3(glm::normalize(glm::dvec3(direction)));
 }
 
 // What a light of luminous power `power` is multiplied with, if it is given; power_of_one: of intensity 1.
@@ -33,6 +36,7 @@ void add_point(Loader& loader, const ParameterList& parameters)
 {
     LightDesc light;
     light.kind = light_point;
+    light.name = parameters.text("name"); // ours, as for the others
     light.position = transform_point(loader.ctm(), parameters.point("from", vec3(0.0f)));
     light.emission = light_parameter(loader, parameters, "I", vec3(1.0f)) * power_scale(parameters, 4.0f * pi);
     add(loader.scene, light);
@@ -42,12 +46,13 @@ void add_spot(Loader& loader, const ParameterList& parameters)
 {
     LightDesc light;
     light.kind = light_spot;
+    light.name = parameters.text("name");
     light.position = transform_point(loader.ctm(), parameters.point("from", vec3(0.0f)));
     light.direction = direction_between(loader, parameters);
     const float cone = clamp(parameters.number("coneangle", 30.0f), 0.01f, 180.0f);
     const float delta = clamp(parameters.number("conedeltaangle", 5.0f), 0.0f, cone);
     light.outer_degrees = cone;
-    light.inner_degrees = cone - delta;
+    light.inner_degrees = clamp(parameters.number("innerangle", cone - delta), 0.0f, cone); // ours: the angle itself
     const float inner = std::cos(light.inner_degrees * pi / 180.0f), outer = std::cos(cone * pi / 180.0f);
     light.emission = light_parameter(loader, parameters, "I", vec3(1.0f)) *
                      power_scale(parameters, 2.0f * pi * ((1.0f - inner) + 0.5f * (inner - outer)));
@@ -58,6 +63,7 @@ void add_distant(Loader& loader, const ParameterList& parameters)
 {
     LightDesc light;
     light.kind = light_directional;
+    light.name = parameters.text("name");
     light.direction = direction_between(loader, parameters);
     light.emission = light_parameter(loader, parameters, "L", vec3(1.0f));
     if (const float wanted = parameters.number("illuminance", 0.0f); wanted > 0.0f) light.emission *= wanted;

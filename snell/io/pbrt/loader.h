@@ -81,6 +81,12 @@ struct Medium
     std::string name;
 };
 
+// What a LookAt said.
+struct Look
+{
+    glm::dvec3 eye, target, up;
+};
+
 using Defaults = std::shared_ptr<const std::vector<Parameter>>;
 
 struct GraphicsState
@@ -144,6 +150,7 @@ struct Loader
     std::vector<PendingImage> images; // by number in the scene
     std::map<std::tuple<std::string, bool, bool, bool, float>, Index<Image>> known_images;
     std::map<std::tuple<uint, float, float (*)(float)>, Index<Image>> mapped_images;
+    std::optional<Look> look; // the last one
     std::vector<AreaLight> area_lights;
     std::vector<Medium> media;
     std::map<std::string, uint> medium_names;
@@ -222,7 +229,9 @@ vec3 light_parameter(Loader& loader, const ParameterList& parameters, std::strin
 
 // Puts a mesh in object space into the world or the object that is being read, with the material, the light and the
 // orientation of the state. key: meshes of equal key, material and orientation are one; empty: this one is alone.
-void place_mesh(Loader& loader, Mesh mesh, const ParameterList& parameters, const std::string& key = {});
+// lights: how many lights the mesh is to pbrt if it shines with a given power; 0: as many as it has triangles.
+void place_mesh(Loader& loader, Mesh mesh, const ParameterList& parameters, const std::string& key = {},
+                std::size_t lights = 0);
 // How the current state's material is used by a shape. Empty if nothing is to be seen of it.
 std::optional<MaterialUse> current_use(Loader& loader, const ParameterList& parameters);
 void add_ply(Loader& loader, const ParameterList& parameters);

@@ -1,54 +1,9 @@
 // Our own materials: what MaterialDesc has and pbrt has no name for.
 #include "snell/io/pbrt/materials.h"
+#include "snell/io/pbrt/slots.h"
 
 namespace snell::pbrt {
 namespace {
-
-using P = PrincipledDesc;
-
-struct NumberSlot
-{
-    std::string_view name;
-    float P::*number;
-    TextureRef P::*texture; // or null
-};
-const NumberSlot number_slots[] = {
-    {"metallic", &P::metallic, &P::metallic_texture},
-    {"roughness", &P::roughness, &P::roughness_texture},
-    {"specular", &P::specular, &P::specular_texture},
-    {"clearcoat", &P::clearcoat, &P::clearcoat_texture},
-    {"clearcoat_roughness", &P::clearcoat_roughness, &P::clearcoat_roughness_texture},
-    {"clearcoat_normal_scale", &P::clearcoat_normal_scale, nullptr},
-    {"sheen_roughness", &P::sheen_roughness, &P::sheen_roughness_texture},
-    {"transmission", &P::transmission, &P::transmission_texture},
-    {"anisotropy", &P::anisotropy, nullptr},
-    {"anisotropy_rotation", &P::anisotropy_rotation, nullptr},
-    {"iridescence", &P::iridescence, &P::iridescence_texture},
-    {"iridescence_ior", &P::iridescence_ior, nullptr},
-    {"iridescence_thickness_min", &P::iridescence_thickness_min, nullptr},
-    {"iridescence_thickness_max", &P::iridescence_thickness_max, nullptr},
-    {"dispersion", &P::dispersion, nullptr},
-    {"diffuse_transmission", &P::diffuse_transmission, &P::diffuse_transmission_texture}};
-
-struct ColorSlot
-{
-    std::string_view name;
-    vec3 P::*color;
-    TextureRef P::*texture;
-};
-const ColorSlot color_slots[] = {
-    {"specular_color", &P::specular_color, &P::specular_color_texture},
-    {"sheen_color", &P::sheen_color, &P::sheen_color_texture},
-    {"diffuse_transmission_color", &P::diffuse_transmission_color, &P::diffuse_transmission_color_texture}};
-
-struct TextureSlotName
-{
-    std::string_view name;
-    TextureRef P::*texture;
-};
-const TextureSlotName texture_slots[] = {{"clearcoat_normal", &P::clearcoat_normal_texture},
-                                         {"anisotropy_direction", &P::anisotropy_texture},
-                                         {"iridescence_thickness", &P::iridescence_thickness_texture}};
 
 // A parameter and the texture that multiplies it may both be there: "float metallic" and "texture metallic". A texture
 // alone carries its own factor.
@@ -86,14 +41,14 @@ void make_principled(Making& m)
     read_slot(m, "base_color", true, d.base_color, &d.base_texture);
     d.ior = m.index("ior", 1.5f);
     read_slot(m, "absorption", true, d.absorption, nullptr);
-    P& p = d.principled;
+    PrincipledDesc& p = d.principled;
     for (const NumberSlot& slot : number_slots) {
         vec3 factor(p.*slot.number);
         read_slot(m, slot.name, false, factor, slot.texture != nullptr ? &(p.*slot.texture) : nullptr);
         p.*slot.number = factor.x;
     }
     for (const ColorSlot& slot : color_slots) read_slot(m, slot.name, true, p.*slot.color, &(p.*slot.texture));
-    for (const TextureSlotName& slot : texture_slots) {
+    for (const MapSlot& slot : map_slots) {
         vec3 unused(1.0f);
         read_slot(m, slot.name, false, unused, &(p.*slot.texture));
     }
@@ -117,6 +72,8 @@ void read_common_parameters(Making& m)
     MaterialDesc& d = m.desc();
     read_slot(m, "emission", true, d.emission, &d.emission_texture);
     d.two_sided_emission = m.parameters.flag("two_sided_emission", false);
+    if (m.type != "subsurface" && m.type != "kdsubsurface")
+        d.name = m.parameters.text("name", d.name); // theirs: a preset
     vec3 unused(1.0f);
     read_slot(m, "normal", false, unused, &d.normal_texture);
     d.normal_scale = m.parameters.number("normal_scale", 1.0f);

@@ -28,6 +28,17 @@ float window_fov(Loader& loader, const Parameter& window, float fov, float aspec
     return std::atan(std::tan(0.5f * fov * degree) * 0.5f * std::min(width, height)) * 2.0f / degree;
 }
 
+// A camera that is nothing but a LookAt, perhaps mirrored before, has its numbers as they stand in the file, and keeps
+// the distance of what it looks at.
+void take_look(const Loader& loader, CameraDesc& camera)
+{
+    if (!loader.look) return;
+    const auto [eye, target, up] = *loader.look;
+    const Matrix m = look_at(eye, target, up).value_or(Matrix(1.0));
+    if (loader.ctm() != m && loader.ctm() != scale({-1, 1, 1}) * m) return;
+    camera.eye = vec3(eye), camera.target = vec3(target), camera.up = vec3(up);
+}
+
 } // namespace
 
 void set_camera(Loader& loader, const std::string& type, const ParameterList& parameters)
@@ -52,6 +63,7 @@ void set_camera(Loader& loader, const std::string& type, const ParameterList& pa
     camera.target = eye + normalize(view);
     camera.up = normalize(up);
     camera.mirrored = dot(cross(view, up), right) < 0.0f;
+    take_look(loader, camera);
 
     loader.screen_window.reset();
     float& frame = loader.frame_aspect;

@@ -15,24 +15,26 @@ float world_area(const Mesh& mesh, const Matrix& m, std::size_t triangle)
            length(cross(transform_point(m, mesh.positions[t.y]) - a, transform_point(m, mesh.positions[t.z]) - a));
 }
 
-// A light of given power has as much for each triangle, as in pbrt.
-void share_power(Loader& loader, Mesh& mesh, MaterialUse use, const AreaLight& light)
+// A light of given power has as much for each shape that pbrt makes of it; lights: how many those are, 0: each triangle
+// is one.
+void share_power(Loader& loader, Mesh& mesh, MaterialUse use, const AreaLight& light, std::size_t lights)
 {
     const float sides = light.two_sided ? 2.0f : 1.0f;
     constexpr std::size_t most_materials = 1024;
     const auto scale_for = [&](float area) { return area > 0.0f ? light.power / (3.14159265f * area * sides) : 0.0f; };
-    if (mesh.triangles.size() > most_materials) {
+    if (lights > 0 || mesh.triangles.size() > most_materials) {
         double sum = 0;
         for (std::size_t i = 0; i < mesh.triangles.size(); ++i)
             sum += static_cast<double>(world_area(mesh, loader.ctm(), i));
-        use.light_scale = scale_for(static_cast<float>(sum / static_cast<double>(mesh.triangles.size())));
+        use.light_scale =
+            scale_for(static_cast<float>(sum / static_cast<double>(lights > 0 ? lights : mesh.triangles.size())));
         mesh.material = use_material(loader, loader.state.material, use);
         return;
     }
     for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
         // Areas that differ by rounding share a material.
         const float area = world_area(mesh, loader.ctm(), i);
-        use.light_scale = scale_for(std::round(area * 1e4f) > 1e3f ? std::round(area * 1e4f) * 1e-4f : area);
+        use.light_scale = scale_for(area > 0.0f ? std::exp(std::round(std::log(area) * 2000.0f) / 2000.0f) : 0.0f);
         mesh.triangle_materials.push_back(use_material(loader, loader.state.material, use));
     }
     if (!mesh.triangle_materials.empty()) mesh.material = mesh.triangle_materials[0];
@@ -84,13 +86,14 @@ std::optional<MaterialUse> current_use(Loader& loader, const ParameterList& para
     return use;
 }
 
-void place_mesh(Loader& loader, Mesh mesh, const ParameterList& parameters, const std::string& key)
+void place_mesh(Loader& loader, Mesh mesh, const ParameterList& parameters, const std::string& key, std::size_t lights)
 {
     const std::optional<MaterialUse> use = current_use(loader, parameters);
+    mesh.name = parameters.text("name", mesh.name);
     if (!use || mesh.triangles.empty()) return;
     const bool has_power = use->area_light != none && loader.area_lights[use->area_light].power > 0.0f;
     if (has_power)
-        share_power(loader, mesh, *use, loader.area_lights[use->area_light]);
+        share_power(loader, mesh, *use, loader.area_lights[use->area_light], lights);
     else
         mesh.material = use_material(loader, loader.state.material, *use);
     const bool is_flipped = loader.state.reverse_orientation;
@@ -118,7 +121,7 @@ void place_mesh(Loader& loader, Mesh mesh, const ParameterList& parameters, cons
         if (!full_key.empty()) loader.shared_groups[full_key] = group;
     }
     InstanceDesc instance;
-    instance.name = loader.scene.groups[group.value].name;
+    instance.name = parameters.text("instance", loader.scene.groups[group.value].name);
     instance.group = group;
     instance.transform = to_transform(loader.ctm());
     add(loader.scene, instance);

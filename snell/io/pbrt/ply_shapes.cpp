@@ -71,7 +71,7 @@ void add_ply(Loader& loader, const ParameterList& parameters)
     const bool is_flipped = loader.state.reverse_orientation;
     const auto make = [&](std::optional<Matrix> baked) {
         Mesh mesh;
-        mesh.name = path.stem().string();
+        mesh.name = parameters.text("name", path.stem().string());
         mesh.material = material;
         const Index<Mesh> index = add(loader.scene, std::move(mesh));
         file.uses.push_back({index, baked, is_flipped});
@@ -85,12 +85,12 @@ void add_ply(Loader& loader, const ParameterList& parameters)
     Index<Group>& group = loader.shared_groups[fmt::format("ply {} {} {}", file_key, material.value, is_flipped)];
     if (!group.valid()) {
         Group fresh;
-        fresh.name = path.stem().string();
+        fresh.name = parameters.text("name", path.stem().string());
         fresh.meshes.push_back(make({}));
         group = add(loader.scene, fresh);
     }
     InstanceDesc instance;
-    instance.name = loader.scene.groups[group.value].name;
+    instance.name = parameters.text("instance", loader.scene.groups[group.value].name);
     instance.group = group;
     instance.transform = to_transform(loader.ctm());
     add(loader.scene, instance);

@@ -1,5 +1,6 @@
 // Shapes other than .ply files.
 #include "snell/io/pbrt/loader.h"
+#include "snell/io/pbrt/slots.h"
 #include "snell/io/pbrt/subdivide.h"
 #include "snell/io/pbrt/tessellate.h"
 #include "snell/io/text_cursor.h"
@@ -91,6 +92,22 @@ bool is_textured(const MaterialDesc& m)
            m.principled.roughness_texture.valid();
 }
 
+// Whether it matters how a sphere is turned.
+bool has_direction(const MaterialDesc& m, const MaterialUse& use, const Loader& loader)
+{
+    bool has = use.alpha != none || m.principled.anisotropy > 0.0f;
+    if (use.area_light != none) has = has || loader.area_lights[use.area_light].image.valid();
+    for_each_texture(m, [&](const TextureRef&) { has = true; });
+    return has;
+}
+
+// Nothing but moved, and scaled evenly.
+bool is_upright(const Transform& m)
+{
+    return m.x.x > 0.0f && m.y.y > 0.0f && m.z.z > 0.0f && m.x.y == 0.0f && m.x.z == 0.0f && m.y.x == 0.0f &&
+           m.y.z == 0.0f && m.z.x == 0.0f && m.z.y == 0.0f && uniform_scale(m) > 0.0f;
+}
+
 void add_triangles(Loader& loader, const ParameterList& parameters)
 {
     Mesh mesh = read_vertices(loader, parameters);
@@ -137,7 +154,7 @@ void add_patches(Loader& loader, const ParameterList& parameters)
     if (parameters.find("emissionfilename") != nullptr)
         loader.warn(parameters.spot, "emissionfilename", "emissionfilename is left out: the light is even");
     parameters.ignore({"edgelength"});
-    place_mesh(loader, std::move(mesh), parameters);
+    place_mesh(loader, std::move(mesh), parameters, {}, patches.size());
 }
 
 void add_loop(Loader& loader, const ParameterList& parameters)
@@ -174,7 +191,7 @@ void add_revolved(Loader& loader, const std::string& type, std::vector<ProfilePo
     }
     Mesh mesh = revolve(profile, phi_max, segments);
     mesh.name = fmt::format("{} {}", type, parameters.spot.line);
-    place_mesh(loader, std::move(mesh), parameters, key);
+    place_mesh(loader, std::move(mesh), parameters, key, 1);
 }
 
 void add_sphere(Loader& loader, const ParameterList& parameters)
@@ -199,7 +216,13 @@ void add_sphere(Loader& loader, const ParameterList& parameters)
     // As exact spheres only what our spheres can do; lights must be round, and in objects there is no rotation for
     // textures.
     const bool fits = scale > 0.0f || (use->area_light == none && !loader.object.valid());
-    if (is_whole && !is_turned && fits && !(loader.object.valid() && is_textured(look))) {
+    // Our spheres have their pole along y and pbrt's along z, and their angles begin elsewhere.
+    Matrix turn(1.0);
+    turn[0] = glm::dvec4(0, -1, 0, 0), turn[1] = glm::dvec4(0, 0, 1, 0), turn[2] = glm::dvec4(-1, 0, 0, 0);
+    const Transform placed = to_transform(loader.ctm() * turn);
+    // One that looks the same however it is turned, or is not turned, is given by centre and radius alone.
+    const bool is_plain = scale > 0.0f && (is_upright(placed) || !has_direction(look, *use, loader));
+    if (is_whole && !is_turned && fits && (is_plain || !loader.object.valid() || !is_textured(look))) {
         MaterialUse lit = *use;
         if (use->area_light != none && loader.area_lights[use->area_light].power > 0.0f) {
             const AreaLight& light = loader.area_lights[use->area_light];
@@ -207,7 +230,7 @@ void add_sphere(Loader& loader, const ParameterList& parameters)
             lit.light_scale = light.power / (3.14159265f * area * (light.two_sided ? 2.0f : 1.0f));
         }
         SphereDesc sphere;
-        sphere.name = fmt::format("sphere {}", parameters.spot.line);
+        sphere.name = parameters.text("name", fmt::format("sphere {}", parameters.spot.line));
         sphere.radius = radius;
         sphere.material = use_material(loader, loader.state.material, lit);
         if (loader.object.valid()) {
@@ -217,6 +240,14 @@ void add_sphere(Loader& loader, const ParameterList& parameters)
             loader.scene.groups[loader.object.value].spheres.push_back(index);
             return;
         }
+        if (is_plain) {
+            sphere.center = vec3(placed.x.w, placed.y.w, placed.z.w);
+            sphere.radius = radius * scale;
+            place(loader.scene, std::move(sphere));
+            InstanceDesc& instance = loader.scene.instances.back();
+            instance.name = parameters.text("instance", instance.name);
+            return;
+        }
         Index<Group>& group = loader.shared_groups[fmt::format("sphere {} {}", sphere.radius, sphere.material.value)];
         if (!group.valid()) {
             Group fresh;
@@ -224,13 +255,10 @@ void add_sphere(Loader& loader, const ParameterList& parameters)
             fresh.spheres.push_back(add(loader.scene, sphere));
             group = add(loader.scene, fresh);
         }
-        // Our spheres have their pole along y and pbrt's along z, and their angles begin elsewhere.
-        Matrix turn(1.0);
-        turn[0] = glm::dvec4(0, -1, 0, 0), turn[1] = glm::dvec4(0, 0, 1, 0), turn[2] = glm::dvec4(-1, 0, 0, 0);
         InstanceDesc instance;
-        instance.name = loader.scene.groups[group.value].name;
+        instance.name = parameters.text("instance", loader.scene.groups[group.value].name);
         instance.group = group;
-        instance.transform = to_transform(loader.ctm() * turn);
+        instance.transform = placed;
         add(loader.scene, instance);
         return;
     }
@@ -317,7 +345,7 @@ void add_plane(Loader& loader, const ParameterList& parameters)
     }
     const glm::dmat3 for_normals = glm::transpose(glm::inverse(glm::dmat3(loader.ctm())));
     PlaneDesc plane;
-    plane.name = fmt::format("plane {}", parameters.spot.line);
+    plane.name = parameters.text("name", fmt::format("plane {}", parameters.spot.line));
     plane.point = transform_point(loader.ctm(), point);
     plane.normal = vec3(for_normals * glm::dvec3(normal)) * (loader.state.reverse_orientation ? -1.0f : 1.0f);
     plane.material = use_material(loader, loader.state.material, *use);
@@ -344,7 +372,7 @@ void add_shape(Loader& loader, const std::string& type, const ParameterList& par
     for (const Maker& maker : makers) {
         if (maker.type != type) continue;
         maker.add(loader, parameters);
-        parameters.ignore({"alpha", "shadowalpha"});
+        parameters.ignore({"alpha", "shadowalpha", "name", "instance"});
         parameters.report_unused(fmt::format("Shape \"{}\"", type), loader.notes);
         return;
     }

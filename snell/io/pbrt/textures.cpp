@@ -122,7 +122,7 @@ TextureNode image_node(Loader& loader, const ParameterList& parameters, bool is_
         return node;
     }
     image.path = loader.resolve(name, parameters.spot);
-    ref.image = add_image(loader, std::move(image), name);
+    ref.image = add_image(loader, std::move(image), parameters.text("name", name)); // ours: the picture's name
     return node;
 }
 

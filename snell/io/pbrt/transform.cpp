@@ -77,6 +77,7 @@ vec3 transform_vector(const Matrix& m, vec3 v)
 
 void transform_mesh(Mesh& mesh, const Matrix& m)
 {
+    if (m == Matrix(1.0)) return; // or normals change by rounding
     const glm::dmat3 linear(m);
     const glm::dmat3 for_normals = glm::transpose(glm::inverse(linear));
     for (vec3& p : mesh.positions) p = transform_point(m, p);
