@@ -12,8 +12,9 @@ using Severity = Finding::Severity;
 
 // The work is bounded: what goes beyond is said, not done.
 static constexpr std::size_t most_solids = std::size_t{1} << 18;
-static constexpr std::size_t most_pairs = std::size_t{1} << 22;     // of bounding boxes
-static constexpr std::size_t most_triangles = std::size_t{1} << 26; // tests of rays with triangles
+static constexpr std::size_t most_pairs = std::size_t{1} << 22; // of bounding boxes
+static constexpr std::size_t most_tests = std::size_t{1} << 28; // of rays with triangles: about a second
+static constexpr std::size_t tests_of_a_pair = 1000;            // what looking at a pair costs besides
 static constexpr std::size_t points_of_a_mesh = 48, points_of_a_sphere = 26;
 
 namespace {
@@ -164,6 +165,7 @@ Where Examiner::locate(vec3 world, const Solid& solid, const Transform& to_objec
 Relation Examiner::relate(const Solid& a, const Solid& b)
 {
     Relation relation;
+    tested_ += tests_of_a_pair / 2;
     const Transform to_object = inverse(scene_.instances[b.instance].transform).value();
     for (const vec3 p : surface_points(a)) {
         const bool is_near = p.x >= b.bounds.lower.x && p.y >= b.bounds.lower.y && p.z >= b.bounds.lower.z &&
@@ -230,7 +232,7 @@ void Examiner::run()
         const Bounds& box = solids_[i].bounds;
         std::erase_if(open, [&](std::size_t j) { return solids_[j].bounds.upper.x <= box.lower.x; });
         for (const std::size_t j : open) {
-            if (++pairs > most_pairs || tested_ > most_triangles) {
+            if (++pairs > most_pairs || tested_ > most_tests) {
                 complete_ = false;
                 break;
             }

@@ -421,6 +421,24 @@ TEST(Doctor, SeesOverlapsOfTurnedAndScaledInstances)
     expect_healthy(examined(balls(3.1f)));
 }
 
+TEST(Doctor, GivesUpInTimeOnSolidsThatAllOverlap)
+{
+    const SceneReport report = examined([](Scene& s) {
+        const auto glass = add_glass(s);
+        Group group;
+        for (int i = 0; i < 3000; ++i) {
+            SphereDesc ball;
+            ball.center = vec3(1e-4f * static_cast<float>(i), 0, 0);
+            ball.material = glass;
+            group.spheres.push_back(add(s, ball));
+        }
+        add(s, InstanceDesc{"all", add(s, group), identity_transform()});
+    });
+    EXPECT_GT(report.doubtful, 100u);
+    EXPECT_EQ(report.findings.back().kind, "partly-examined");
+    EXPECT_EQ(report.findings.size(), SceneReport::listed_of_a_kind + 2);
+}
+
 // ---- faces twice ----
 
 TEST(Doctor, SeesFacesThatAreThereTwice)
