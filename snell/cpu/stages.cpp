@@ -23,24 +23,24 @@ void generate_stage(const StageContext& context, Batch& batch, const Region& til
     batch.stats.generate_seconds += timer.seconds();
 }
 
-static void intersect_paths(const StageContext& context, Batch& batch)
+static void intersect_paths(const StageContext& context, Batch& batch, bool from_camera)
 {
-    intersect_covered(context.scene, context.accel, batch.paths.rays, batch.hits,
+    intersect_covered(context.scene, context.accel, batch.paths.rays, batch.hits, from_camera,
                       [&](uint i) { return extension_seed(batch.paths.states[i]); });
 }
 
-// As intersect_paths; steps are counted up to the first surface, with holes or not.
+// As intersect_paths for camera rays; steps are counted up to the first surface, with holes or not.
 static void intersect_paths_counted(const StageContext& context, Batch& batch)
 {
     context.accel.intersect_counted(batch.paths.rays, batch.hits, batch.steps);
-    if (context.scene.has_coverage != 0u) intersect_paths(context, batch);
+    if (context.scene.coverage != 0u) intersect_paths(context, batch, true);
 }
 
-static void extend_stage(const StageContext& context, Batch& batch)
+static void extend_stage(const StageContext& context, Batch& batch, bool from_camera)
 {
     const Timer timer;
     batch.hits.resize(batch.paths.size());
-    intersect_paths(context, batch);
+    intersect_paths(context, batch, from_camera);
     batch.stats.extend_seconds += timer.seconds();
 }
 
@@ -66,8 +66,8 @@ static void run_to_end(const StageContext& context, Batch& batch, const Shade& s
     bool camera_rays = true;
     while (batch.paths.size() > 0) {
         if (!camera_rays) batch.stats.extension_rays += batch.paths.size();
+        extend_stage(context, batch, camera_rays);
         camera_rays = false;
-        extend_stage(context, batch);
         const Timer timer;
         batch.next.clear();
         batch.connections.clear();
@@ -133,7 +133,7 @@ void run_view(const StageContext& context, Batch& batch, uint view)
     if (view == view_steps)
         intersect_paths_counted(context, batch);
     else
-        intersect_paths(context, batch);
+        intersect_paths(context, batch, true);
     batch.stats.extend_seconds += timer.lap();
     for (std::size_t i = 0; i < count; ++i)
         batch.slots[batch.paths.states[i].slot].layers[layer_emission] =
@@ -213,7 +213,7 @@ void record_first_hits(const StageContext& context, Batch& batch, const Region& 
         }
         std::swap(batch.paths, batch.next);
         batch.hits.resize(batch.paths.size());
-        intersect_paths(context, batch);
+        intersect_paths(context, batch, false);
     }
     for (std::size_t slot = 0; slot < albedo.size(); ++slot) {
         layers.albedo[film_index(slot)] += albedo[slot];

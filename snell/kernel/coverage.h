@@ -5,10 +5,12 @@
 #include "snell/kernel/surface.h"
 SNELL_BEGIN
 
-// True if the ray passes through what it has hit. A half-transparent surface lets rays through by chance: by a number
-// that is a function of the seed, the primitive and the distance (a ray may leave a sphere that it has entered), so that
-// every order of asking gets the same answer.
-SNELL_FN_COLD bool passes_through(SNELL_IN(SceneView) scene, SNELL_IN(Ray) ray, SNELL_IN(Hit) hit, uint seed)
+// True if the ray passes through what it has hit. Camera rays pass through the back of single-sided surfaces, as in the
+// rasterisers that those were made for; to all other rays they are as solid as anything, or light would leak. A
+// half-transparent surface lets rays through by chance: by a number that is a function of the seed, the primitive and
+// the distance (a ray may leave a sphere that it has entered), so that every order of asking gets the same answer.
+SNELL_FN_COLD bool passes_through(SNELL_IN(SceneView) scene, SNELL_IN(Ray) ray, SNELL_IN(Hit) hit, uint seed,
+                                  bool from_camera)
 {
     uint kind = primitive_kind(hit.primitive);
     uint index = primitive_index(hit.primitive);
@@ -20,8 +22,11 @@ SNELL_FN_COLD bool passes_through(SNELL_IN(SceneView) scene, SNELL_IN(Ray) ray, 
     else
         material_index = scene.planes.at[index].material;
     Material material = scene.materials.at[material_index];
-    if (material.coverage == coverage_opaque) return false;
-    float coverage = surface_coverage(scene, material, surface_point(scene, ray, hit));
+    bool is_single_sided = from_camera && (material.flags & material_single_sided) != 0u;
+    if (material.coverage == coverage_opaque && !is_single_sided) return false;
+    SurfacePoint surface = surface_point(scene, ray, hit);
+    if (is_single_sided && dot(surface.geometric_normal, ray.direction) > 0.0f) return true;
+    float coverage = surface_coverage(scene, material, surface);
     uvec3 r = pcg3d(uvec3(seed ^ hash_uint(floatBitsToUint(hit.t)), hit.primitive, hit.instance));
     return unit_float(r.x) >= coverage;
 }

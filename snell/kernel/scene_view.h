@@ -19,6 +19,8 @@ SNELL_CONST uint material_two_sided_emission = 1u;     // emits from the back as
 SNELL_CONST uint material_texture_tints_specular = 2u; // base_texture multiplies specular too, as a metal's does
 SNELL_CONST uint material_needs_tangents = 4u;         // has a normal map or is anisotropic
 
+SNELL_CONST uint material_single_sided = 8u;           // camera rays see nothing of it from behind
+
 // How much of a surface is there.
 SNELL_CONST uint coverage_opaque = 0u;
 SNELL_CONST uint coverage_mask = 1u;  // nothing where opacity is below the cutoff
@@ -248,6 +250,10 @@ SNELL_ARRAY(TextureArray, Texture)
 SNELL_ARRAY(TextureSlotArray, TextureSlot)
 SNELL_ARRAY(PrincipledArray, Principled)
 
+// What SceneView::coverage says of a scene; 0: rays meet all that lies in their way.
+SNELL_CONST uint scene_has_holes = 1u;        // some material is not coverage_opaque
+SNELL_CONST uint scene_has_single_sided = 2u; // some material is material_single_sided
+
 // Everything a kernel may look up. Primitives of one group (and those in world space) are consecutive.
 struct SceneView
 {
@@ -273,7 +279,7 @@ struct SceneView
     uint light_count;
     uint plane_count;
     uint delta_light_count; // point, directional and spot lights come first in `lights`
-    uint has_coverage;      // 0: every material is opaque
+    uint coverage;          // scene_has_* flags
     Environment environment;
     vec3 scene_center;
     float scene_radius; // of a sphere around all bounded primitives

@@ -18,7 +18,7 @@ static uint ray_seed(const Ray& ray)
 Hit RayScene::intersect(const Ray& ray) const
 {
     Hit hit;
-    intersect_covered(view, accel_, {&ray, 1}, {&hit, 1}, [&](uint) { return ray_seed(ray); });
+    intersect_covered(view, accel_, {&ray, 1}, {&hit, 1}, false, [&](uint) { return ray_seed(ray); });
     return hit;
 }
 

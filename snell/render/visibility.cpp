@@ -5,7 +5,7 @@
 namespace snell {
 
 void pass_holes(const SceneView& scene, const Accel& accel, std::span<const Ray> rays, std::span<Hit> hits,
-                std::vector<uint> which, std::vector<uint> seeds)
+                bool from_camera, std::vector<uint> which, std::vector<uint> seeds)
 {
     std::vector<Ray> onward;
     std::vector<Hit> found;
@@ -14,9 +14,8 @@ void pass_holes(const SceneView& scene, const Accel& accel, std::span<const Ray>
         onward.clear();
         for (std::size_t k = 0; k < which.size(); ++k) {
             const uint i = which[k];
-            if (!is_hit(hits[i]) || !passes_through(scene, rays[i], hits[i], seeds[k])) continue;
-            Ray ray =
-                rays[i]; // the same ray, so that t still counts from its origin; each hit is further than the last
+            if (!is_hit(hits[i]) || !passes_through(scene, rays[i], hits[i], seeds[k], from_camera)) continue;
+            Ray ray = rays[i]; // t still counts from its origin: each hit is further than the last
             ray.t_min = hits[i].t;
             onward.push_back(ray);
             which[kept] = i;

@@ -8,7 +8,7 @@ namespace snell {
 // As Accel::intersect, but rays pass through surfaces that are not there. seed(i): of ray i, for passes_through.
 template <class Seed>
 void intersect_covered(const SceneView& scene, const Accel& accel, std::span<const Ray> rays, std::span<Hit> hits,
-                       const Seed& seed);
+                       bool from_camera, const Seed& seed);
 
 // As Accel::occluded, likewise.
 template <class Seed>
@@ -18,18 +18,18 @@ void occluded_covered(const SceneView& scene, const Accel& accel, std::span<cons
 // Sends rays[which[k]] on that have met a surface which may have a hole, until each has met something that is there, or
 // nothing. seeds: one for each of `which`.
 void pass_holes(const SceneView& scene, const Accel& accel, std::span<const Ray> rays, std::span<Hit> hits,
-                std::vector<uint> which, std::vector<uint> seeds);
+                bool from_camera, std::vector<uint> which, std::vector<uint> seeds);
 
 template <class Seed>
 void intersect_covered(const SceneView& scene, const Accel& accel, std::span<const Ray> rays, std::span<Hit> hits,
-                       const Seed& seed)
+                       bool from_camera, const Seed& seed)
 {
     accel.intersect(rays, hits);
-    if (scene.has_coverage == 0u) return;
+    if ((scene.coverage & (from_camera ? scene_has_holes | scene_has_single_sided : scene_has_holes)) == 0u) return;
     std::vector<uint> which, seeds;
     for (uint i = 0; i < rays.size(); ++i)
         if (is_hit(hits[i])) which.push_back(i), seeds.push_back(seed(i));
-    pass_holes(scene, accel, rays, hits, std::move(which), std::move(seeds));
+    pass_holes(scene, accel, rays, hits, from_camera, std::move(which), std::move(seeds));
 }
 
 template <class Seed>
@@ -37,7 +37,7 @@ void occluded_covered(const SceneView& scene, const Accel& accel, std::span<cons
                       std::span<std::uint8_t> blocked, const Seed& seed)
 {
     accel.occluded(rays, blocked);
-    if (scene.has_coverage == 0u) return;
+    if ((scene.coverage & scene_has_holes) == 0u) return;
     // Of the rays that something blocks, the nearest hits, and then those behind.
     std::vector<Ray> candidates;
     std::vector<uint> which, seeds, origin;
@@ -50,7 +50,7 @@ void occluded_covered(const SceneView& scene, const Accel& accel, std::span<cons
     }
     std::vector<Hit> hits(candidates.size());
     accel.intersect(candidates, hits);
-    pass_holes(scene, accel, candidates, hits, std::move(which), std::move(seeds));
+    pass_holes(scene, accel, candidates, hits, false, std::move(which), std::move(seeds));
     for (std::size_t k = 0; k < origin.size(); ++k) blocked[origin[k]] = is_hit(hits[k]) ? 1 : 0;
 }
 

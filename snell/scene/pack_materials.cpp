@@ -135,7 +135,9 @@ void pack_materials(const Scene& scene, PackedScene& packed)
             if (p.anisotropy > 0.0f || p.clearcoat_normal_slot != none) m.flags |= material_needs_tangents;
         }
         if (m.kind == material_unlit) m.emission = vec3(0.0f), m.emission_slot = none; // its colour is all it shows
-        if (m.coverage != coverage_opaque) packed.has_coverage = true;
+        if (desc.single_sided) m.flags |= material_single_sided;
+        if (m.coverage != coverage_opaque) packed.coverage |= scene_has_holes;
+        if (desc.single_sided) packed.coverage |= scene_has_single_sided;
         packed.materials.push_back(m);
     }
     pack_albedo(packed);

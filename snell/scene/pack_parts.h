@@ -5,7 +5,7 @@
 
 namespace snell {
 
-// Fills materials, principled, slots and has_coverage.
+// Fills materials, principled, slots and coverage.
 void pack_materials(const Scene& scene, PackedScene& packed);
 
 // Fills textures, texels and srgb. Throws Error if there are more texels than indices.

@@ -30,7 +30,7 @@ SceneView PackedScene::view() const
     const auto is_area_light = [](const Light& light) { return light.kind >= light_triangle; };
     v.delta_light_count = static_cast<uint>(std::find_if(lights.begin(), lights.end(), is_area_light) - lights.begin());
     v.plane_count = static_cast<uint>(planes.size());
-    v.has_coverage = has_coverage ? 1u : 0u;
+    v.coverage = coverage;
     v.environment = environment;
     v.scene_radius = radius;
     v.scene_center = center;

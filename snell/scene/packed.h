@@ -44,7 +44,7 @@ struct PackedScene
     std::vector<float> albedo;
     std::vector<float> environment_cdf;
     Environment environment = {};
-    bool has_coverage = false;
+    uint coverage = 0; // scene_has_*
     vec3 center{0.0f};
     float radius = 1.0f;
 

@@ -103,6 +103,7 @@ struct MaterialDesc
     uint coverage = coverage_opaque;
     float opacity = 1.0f, cutoff = 0.5f;
     TextureRef opacity_texture;
+    bool single_sided = false; // camera rays see nothing of it from behind
     PrincipledDesc principled; // for material_principled
 };
 

@@ -2,6 +2,7 @@
 #include "snell/core/error.h"
 #include "snell/core/parallel.h"
 #include "snell/scene/scene.h"
+#include "snell/scene/validate_animation.h"
 #include "snell/scene/validate_material.h"
 #include "snell/scene/validate_mesh.h"
 
@@ -207,6 +208,7 @@ void validate(Scene& scene)
     check_planes(scene, fallback);
     fallback.report();
     check_instances(scene);
+    validate_animation(scene);
     for (std::size_t i = 0; i < scene.lights.size(); ++i) mend_light(scene, scene.lights[i], i);
     for (std::size_t i = 0; i < scene.cameras.size(); ++i) check_camera(scene, scene.cameras[i], i);
     validate_environment(scene);

@@ -249,7 +249,7 @@ SceneWords random_scene()
     scene.tail.light_count = scene_lights;
     scene.tail.delta_light_count = 6;
     scene.tail.plane_count = scene_planes;
-    scene.tail.has_coverage = 1;
+    scene.tail.coverage = scene_has_holes;
     Environment& e = scene.tail.environment;
     e.radiance = vec3(0.25f, 0.5f, 0.75f);
     e.texture = 2;

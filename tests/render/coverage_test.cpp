@@ -50,6 +50,25 @@ TEST(Coverage, AHalfTransparentSheetHalvesTheLight)
     }
 }
 
+// From behind, the camera looks through a single-sided sheet; light does not.
+TEST(Coverage, SingleSidedSheetsAreSeenFromTheFrontOnly)
+{
+    Scene scene;
+    add_plane(scene, vec3(0.0f), vec3(0, 1, 0), diffuse(scene, 0.5f));
+    MaterialDesc white;
+    white.base_color = vec3(1.0f);
+    white.single_sided = true;
+    add_sheet(scene, 1.0f, add(scene, white)); // its front is up
+    add_point_light(scene, vec3(0, 2, 0), 4.0f);
+    look(scene, vec3(0, 0.5f, 0.3f), vec3(0.0f, 0.9f, 0.0f)); // up from below: past the sheet, at nothing
+    expect_value(measure(scene, probe_settings("path", {}, 16)), 0.0, 1e-6);
+    expect_value(measure(scene, probe_settings("albedo", {}, 16)), 0.0, 1e-6);
+    look(scene, vec3(0, 0.5f, 0.3f), vec3(0.0f)); // at the floor: it lies in the sheet's shadow
+    expect_value(measure(scene, probe_settings("path", {}, 16)), 0.0, 1e-6);
+    look(scene, vec3(0, 3.0f, 0.3f), vec3(0.0f, 1.0f, 0.0f)); // at the front
+    expect_value(measure(scene, probe_settings("albedo", {}, 16)), 1.0, 1e-6);
+}
+
 TEST(Coverage, TwentyLayers)
 {
     Scene scene;

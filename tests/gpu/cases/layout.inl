@@ -40,7 +40,7 @@ TWIN(layout_scene_view, 0.0f, 0.0f, 0.0f)
     give(view.environment_cdf.at[i]);
     give(view.light_count);
     give(view.plane_count);
-    give(view.has_coverage);
+    give(view.coverage);
     give(view.environment.radiance);
     give(view.environment.texture);
     give(view.environment.row_x);
