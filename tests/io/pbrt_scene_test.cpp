@@ -160,13 +160,62 @@ TEST(PbrtLights, StandWhereTheyStand)
     EXPECT_EQ(scene.lights[0].position, vec3(1, 2, 0));
     expect_near(scene.lights[0].emission, vec3(1, 2, 3), 1e-5f);
     EXPECT_EQ(scene.lights[1].kind, light_spot);
-    expect_near(scene.lights[1].direction, vec3(0, -1, 0), 1e-6f);
+    expect_near(normalize(scene.lights[1].direction), vec3(0, -1, 0), 1e-6f);
     EXPECT_FLOAT_EQ(scene.lights[1].outer_degrees, 20.0f);
     EXPECT_FLOAT_EQ(scene.lights[1].inner_degrees, 12.0f);
     EXPECT_EQ(scene.lights[2].kind, light_directional);
-    expect_near(scene.lights[2].direction, vec3(0, -1, 0), 1e-6f);
+    expect_near(normalize(scene.lights[2].direction), vec3(0, -1, 0), 1e-6f);
     expect_near(scene.lights[2].emission, vec3(6.0f), 1e-5f);
     expect_near(scene.environment.radiance, vec3(1, 1.5f, 2.5f), 1e-5f);
+}
+
+// A float picture of one value.
+std::string even_map(int width, int height, float value)
+{
+    std::string bytes = fmt::format("PF\n{} {}\n-1.0\n", width, height);
+    for (int i = 0; i < 3 * width * height; ++i) bytes.append(reinterpret_cast<const char*>(&value), sizeof value);
+    return bytes;
+}
+
+TEST(PbrtLights, EnvironmentMapsPointAsInPbrt)
+{
+    const Folder folder;
+    folder.write("square.pfm", even_map(64, 64, 3.0f));
+    folder.write("wide.pfm", even_map(4, 2, 3.0f));
+    const auto towards = [](const Scene& scene, vec3 d) { return transform_vector(scene.environment.to_world, d); };
+    const Scene v4 =
+        read_pbrt(folder, R"(WorldBegin Rotate 90 1 0 0 LightSource "infinite" "string filename" "square.pfm"
+        "float scale" .5  LightSource "infinite" "rgb L" [1 2 3])");
+    EXPECT_EQ(v4.environment.mapping, environment_octahedral);
+    expect_near(v4.environment.radiance, vec3(0.5f), 1e-6f);
+    expect_near(towards(v4, vec3(0, 0, 1)), vec3(0, -1, 0), 1e-6f);
+    // The even light is added to the texels.
+    const Image& map = v4.images.at(v4.environment.image.value);
+    for (std::size_t c = 0; c < 3; ++c) EXPECT_FLOAT_EQ(0.5f * map.floats[c], 1.5f + static_cast<float>(c) + 1.0f);
+    const Scene lit = read_pbrt(folder, "WorldBegin LightSource \"infinite\" \"string filename\" \"square.pfm\" "
+                                        "\"float illuminance\" 6");
+    EXPECT_NEAR(lit.environment.radiance.x * 3 * 3.14159265f, 6.0f, 0.02f);
+
+    // v3: +z is up; u runs from +x over +y, so that -x is in the middle and -y right of it.
+    const Scene v3 = read_pbrt(folder, "WorldBegin LightSource \"infinite\" \"string mapname\" \"wide.pfm\" WorldEnd");
+    EXPECT_EQ(v3.environment.mapping, environment_equirectangular);
+    expect_near(towards(v3, vec3(0, 1, 0)), vec3(0, 0, 1), 1e-6f);
+    expect_near(towards(v3, vec3(0, 0, -1)), vec3(-1, 0, 0), 1e-6f);
+    expect_near(towards(v3, vec3(1, 0, 0)), vec3(0, -1, 0), 1e-6f);
+    EXPECT_EQ(warning_count(v3), 0u) << all_notes(v3);
+    const Scene missing =
+        read_pbrt("WorldBegin LightSource \"infinite\" \"string filename\" \"none.exr\" \"float scale\" 2");
+    EXPECT_EQ(missing.environment.radiance, vec3(2.0f));
+    EXPECT_EQ(warning_count(missing), 1u);
+}
+
+TEST(PbrtLights, TheFilmsExposureScalesThem)
+{
+    const Scene scene = read_pbrt("Film \"rgb\" \"float iso\" 150 WorldBegin LightSource \"point\" "
+                                  "LightSource \"infinite\" AreaLightSource \"diffuse\" Shape \"sphere\"");
+    EXPECT_EQ(scene.lights[0].emission, vec3(1.5f));
+    EXPECT_EQ(scene.environment.radiance, vec3(1.5f));
+    EXPECT_EQ(scene.materials[0].emission, vec3(1.5f));
 }
 
 TEST(PbrtLights, AreaLightsShineFromTheSideOfTheNormal)
