@@ -11,6 +11,7 @@ using Arguments = std::vector<std::string>;
 
 int run_render(const Arguments& arguments);
 int run_info(const Arguments& arguments);
+int run_convert(const Arguments& arguments);
 int run_list(const Arguments& arguments);
 int run_compare(const Arguments& arguments);
 int run_bench(const Arguments& arguments);

@@ -26,6 +26,7 @@ struct Command
 static const std::array commands = {
     Command{"render", "Render a picture of a scene", run_render},
     Command{"info", "Say what is in a scene and how much memory it takes", run_info},
+    Command{"convert", "Write a scene as a pbrt file", run_convert},
     Command{"list", "List integrators, structures, samplers, built-in scenes and file formats", run_list},
     Command{"compare", "Measure how much two pictures differ", run_compare},
     Command{"bench", "Measure the renderer's speed beside Embree", run_bench},

@@ -148,8 +148,13 @@ void set_area_light(Loader& loader, const std::string& type, const ParameterList
     }
     parameters.ignore({"nsamples", "samples"});
     parameters.report_unused("AreaLightSource \"diffuse\"", loader.notes);
-    loader.area_lights.push_back(light);
-    loader.state.area_light = static_cast<uint>(loader.area_lights.size() - 1);
+    // Equal ones are one, so that what they make of a material is, too.
+    const vec3 l = light.radiance;
+    const auto [known, is_new] = loader.known_area_lights.emplace(
+        std::tuple(l.x, l.y, l.z, light.image.image.value, light.two_sided, light.power),
+        static_cast<uint>(loader.area_lights.size()));
+    if (is_new) loader.area_lights.push_back(light);
+    loader.state.area_light = known->second;
 }
 
 } // namespace snell::pbrt

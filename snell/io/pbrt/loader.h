@@ -152,6 +152,7 @@ struct Loader
     std::map<std::tuple<uint, float, float (*)(float)>, Index<Image>> mapped_images;
     std::optional<Look> look; // the last one
     std::vector<AreaLight> area_lights;
+    std::map<std::tuple<float, float, float, uint, bool, float>, uint> known_area_lights;
     std::vector<Medium> media;
     std::map<std::string, uint> medium_names;
     std::map<std::string, Index<Group>> objects;

@@ -116,6 +116,8 @@ bool Faces::finish()
     }
     gather(mesh_.positions, keys);
     gather(mesh_.normals, keys);
+    gather(mesh_.uvs_1, keys);
+    gather(mesh_.tangents, keys);
     gather(mesh_.colors, keys);
     gather(mesh_.uvs, keys);
     mesh_.uvs.resize(keys.size(), vec2(0.0f));

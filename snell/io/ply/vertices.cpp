@@ -30,6 +30,12 @@ Slot find_slot(const Property& property)
                                    {"t", slot_v},
                                    {"texture_u", slot_u},
                                    {"texture_v", slot_v},
+                                   {"u1", slot_u1},
+                                   {"v1", slot_v1},
+                                   {"tx", slot_tx},
+                                   {"ty", slot_ty},
+                                   {"tz", slot_tz},
+                                   {"tw", slot_tw},
                                    {"red", slot_red},
                                    {"green", slot_green},
                                    {"blue", slot_blue},
@@ -77,6 +83,8 @@ Layout read_layout(const Element& vertices)
     layout.positions = has[slot_x] && has[slot_y] && has[slot_z];
     layout.normals = has[slot_nx] && has[slot_ny] && has[slot_nz];
     layout.uvs = has[slot_u] && has[slot_v];
+    layout.uvs_1 = has[slot_u1] && has[slot_v1];
+    layout.tangents = has[slot_tx] && has[slot_ty] && has[slot_tz] && has[slot_tw];
     layout.colors = has[slot_red] && has[slot_green] && has[slot_blue];
     return layout;
 }
@@ -86,6 +94,8 @@ void resize(Mesh& mesh, const Layout& layout, std::size_t count)
     mesh.positions.resize(count);
     if (layout.normals) mesh.normals.resize(count);
     if (layout.uvs) mesh.uvs.resize(count);
+    if (layout.uvs_1) mesh.uvs_1.resize(count);
+    if (layout.tangents) mesh.tangents.resize(count);
     if (layout.colors) mesh.colors.resize(count, vec4(1.0f));
 }
 
@@ -94,6 +104,8 @@ void reserve(Mesh& mesh, const Layout& layout, std::size_t count)
     mesh.positions.reserve(count);
     if (layout.normals) mesh.normals.reserve(count);
     if (layout.uvs) mesh.uvs.reserve(count);
+    if (layout.uvs_1) mesh.uvs_1.reserve(count);
+    if (layout.tangents) mesh.tangents.reserve(count);
     if (layout.colors) mesh.colors.reserve(count);
 }
 
@@ -116,6 +128,14 @@ Target target_of(Slot slot, Mesh& mesh, std::size_t first_vertex)
     case slot_u:
     case slot_v:
         return inside(mesh.uvs, slot - slot_u);
+    case slot_u1:
+    case slot_v1:
+        return inside(mesh.uvs_1, slot - slot_u1);
+    case slot_tx:
+    case slot_ty:
+    case slot_tz:
+    case slot_tw:
+        return inside(mesh.tangents, slot - slot_tx);
     case slot_red:
     case slot_green:
     case slot_blue:

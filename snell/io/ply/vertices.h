@@ -20,6 +20,12 @@ enum Slot
     slot_nz,
     slot_u,
     slot_v,
+    slot_u1,
+    slot_v1,
+    slot_tx,
+    slot_ty,
+    slot_tz,
+    slot_tw,
     slot_red,
     slot_green,
     slot_blue,
@@ -39,7 +45,7 @@ struct Layout
 {
     std::vector<Column> columns; // one a property
     std::size_t row_bytes = 0;   // of a binary file; 0: rows differ, for there are lists
-    bool positions = false, normals = false, uvs = false, colors = false;
+    bool positions = false, normals = false, uvs = false, uvs_1 = false, tangents = false, colors = false;
     std::vector<std::string> unused; // names of properties
 };
 

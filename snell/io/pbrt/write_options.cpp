@@ -1,0 +1,135 @@
+// What stands before the world, and lights.
+#include "snell/io/pbrt/write_parts.h"
+
+#include <cmath>
+
+namespace snell::pbrt {
+namespace {
+
+void write_film(Writer& w)
+{
+    const RenderHints& hints = w.scene.hints;
+    if (!hints.width && !hints.height && !hints.crop_window && !hints.output) return;
+    std::string text = "Film \"rgb\"";
+    if (hints.width) text += fmt::format(" \"integer xresolution\" {}", *hints.width);
+    if (hints.height) text += fmt::format(" \"integer yresolution\" {}", *hints.height);
+    if (hints.crop_window) {
+        const auto& c = *hints.crop_window;
+        text += fmt::format(" \"float cropwindow\" [ {} {} {} {} ]", c[0], c[1], c[2], c[3]);
+    }
+    if (hints.output) text += fmt::format(" \"string filename\" {}", in_quotes(*hints.output));
+    w.line("{}", text);
+}
+
+void write_sampler(Writer& w)
+{
+    const RenderHints& hints = w.scene.hints;
+    if (hints.spp || hints.sampler) {
+        std::string text =
+            fmt::format("Sampler \"{}\"", hints.sampler == std::string("independent") ? "independent" : "zsobol");
+        constexpr uint usual = 64;
+        if (!hints.spp) w.inform(fmt::format("the sampler has a number of samples now: {}", usual));
+        text += fmt::format(" \"integer pixelsamples\" {}", hints.spp.value_or(usual));
+        if (hints.seed) text += fmt::format(" \"integer seed\" {}", static_cast<int>(*hints.seed));
+        w.line("{}", text);
+    } else if (hints.seed) {
+        w.line("Option \"integer seed\" {}", static_cast<int>(*hints.seed));
+    }
+}
+
+void write_integrator(Writer& w)
+{
+    const RenderHints& hints = w.scene.hints;
+    const std::string name = hints.integrator.value_or("path");
+    if (name == "ao") {
+        w.line("Integrator \"ambientocclusion\"");
+        return;
+    }
+    // Without a number pbrt ends paths after 5 bounces; ours go on.
+    const uint depth = hints.max_depth.value_or(name == "whitted" ? 12 : 1000);
+    w.line("Integrator \"{}\" \"integer maxdepth\" {}", name == "whitted" ? "whitted" : "volpath", depth);
+}
+
+void write_cameras(Writer& w)
+{
+    const std::vector<CameraDesc>& cameras = w.scene.cameras;
+    for (std::size_t i = 0; i < cameras.size(); ++i) {
+        const CameraDesc& c = cameras[i];
+        if (i > 0) w.line("Identity");
+        // pbrt's cameras look into a left-handed space.
+        if (!c.mirrored) w.line("Scale -1 1 1");
+        w.line("LookAt {}  {}  {}", show(c.eye), show(c.target), show(c.up));
+        const std::string name = c.name.empty() && cameras.size() > 1 ? fmt::format("camera {}", i) : c.name;
+        w.line("Camera \"perspective\" \"float fov\" {}{}", c.fov_degrees,
+               name.empty() ? "" : fmt::format(" \"string name\" {}", in_quotes(name)));
+    }
+    if (cameras.size() > 1) w.inform("the file has several cameras: snell takes the first one, pbrt the last");
+}
+
+void write_light(Writer& w, const LightDesc& light)
+{
+    const bool is_distant = light.kind == light_directional;
+    w.line("AttributeBegin");
+    if (!light.name.empty()) w.line("  Attribute \"light\" \"string name\" {}", in_quotes(light.name));
+    // At the origin of its own space, so that the direction is not rounded.
+    if (light.kind == light_spot) w.line("  Translate {}", show(light.position));
+    const std::string aim = fmt::format("\"point3 from\" [ 0 0 0 ] \"point3 to\" [ {} ]", show(light.direction));
+    if (light.kind == light_point) {
+        w.line("  LightSource \"point\" \"point3 from\" [ {} ] \"rgb I\" [ {} ]", show(light.position),
+               show(light.emission));
+    } else if (is_distant) {
+        w.line("  LightSource \"distant\" {} \"rgb L\" [ {} ]", aim, show(light.emission));
+    } else {
+        const float delta = light.outer_degrees - light.inner_degrees;
+        if (light.outer_degrees - delta != light.inner_degrees)
+            w.line("  Attribute \"light\" \"float innerangle\" {}", light.inner_degrees);
+        w.line("  LightSource \"spot\" {} \"rgb I\" [ {} ] \"float coneangle\" {} \"float conedeltaangle\" {}", aim,
+               show(light.emission), light.outer_degrees, delta);
+    }
+    w.line("AttributeEnd");
+}
+
+void write_environment(Writer& w)
+{
+    const EnvironmentDesc& e = w.scene.environment;
+    if (!e.image.valid()) {
+        if (e.radiance == vec3(0.0f) && e.visible) return;
+        w.line("LightSource \"infinite\" \"rgb L\" [ {} ]{}", show(e.radiance),
+               e.visible ? "" : " \"bool visible\" false");
+        return;
+    }
+    const Image& image = w.scene.images[e.image.value];
+    w.line("AttributeBegin");
+    if (!image.name.empty()) w.line("  Attribute \"light\" \"string name\" {}", in_quotes(image.name));
+    if (!is_identity(e.to_world)) w.line("  Transform {}", show(e.to_world));
+    std::string text = fmt::format("  LightSource \"infinite\" \"string filename\" {}",
+                                   in_quotes(write_picture_file(w, e.image, true)));
+    // pbrt takes either a picture or a colour.
+    const vec3 r = e.radiance;
+    const bool is_even = r.x == r.y && r.y == r.z;
+    if (is_even && r.x != 1.0f) text += fmt::format(" \"float scale\" {}", r.x);
+    if (!is_even) text += fmt::format(" \"rgb L\" [ {} ]", show(r));
+    const bool is_octahedral = e.mapping == environment_octahedral;
+    if (!is_octahedral || image.width != image.height)
+        text += fmt::format(" \"string mapping\" \"{}\"", is_octahedral ? "octahedral" : "equirectangular");
+    if (!e.visible) text += " \"bool visible\" false";
+    w.line("{}\nAttributeEnd", text);
+}
+
+} // namespace
+
+void write_options(Writer& w)
+{
+    write_film(w);
+    write_sampler(w);
+    write_integrator(w);
+    write_cameras(w);
+}
+
+void write_lights(Writer& w)
+{
+    write_environment(w);
+    for (const LightDesc& light : w.scene.lights) write_light(w, light);
+}
+
+} // namespace snell::pbrt
