@@ -146,7 +146,11 @@ void check_double_faces(const Scene& scene, Findings& findings)
         pair.turned += turned ? 1 : 0;
         const uint material_a = material_of(scene.meshes[first.mesh], faces[i - 1].triangle);
         const uint material_b = material_of(scene.meshes[second.mesh], faces[i].triangle);
-        pair.matters = pair.matters || material_a != material_b || shows_twice(scene.materials[material_a]);
+        const MaterialDesc &m = scene.materials[material_a], &n = scene.materials[material_b];
+        // Back to back, the camera sees of each its own side.
+        const bool is_two_sided_model = turned && m.single_sided && n.single_sided;
+        const bool differ = material_a != material_b && !is_two_sided_model;
+        pair.matters = pair.matters || differ || shows_twice(m) || shows_twice(n);
     }
     for (const auto& [meshes, pair] : pairs) {
         const std::string where =
@@ -158,7 +162,7 @@ void check_double_faces(const Scene& scene, Findings& findings)
         findings.add("double-faces", pair.matters ? Severity::doubtful : Severity::info,
                      where + back +
                          (pair.matters ? ": which of the two a ray meets is left to rounding; remove one of them"
-                                       : ", of one material; that only costs time"),
+                                       : ", which makes no difference but in time"),
                      pair.count);
     }
 

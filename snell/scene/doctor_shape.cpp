@@ -113,9 +113,10 @@ void check_shapes(const Scene& scene, const std::vector<MeshFacts>& facts, Findi
         else if (of_mesh.emissive.empty() && of_mesh.topology.is_closed() && of_mesh.topology.is_oriented() &&
                  faces_inwards(mesh, of_mesh, of_mesh.topology))
             findings.add("inside-out", Severity::info,
-                         fmt::format("{}: is closed and faces inwards, as a room does; it looks the same from both "
-                                     "sides unless it becomes glass or a lamp",
-                                     mesh_label(scene, index)),
+                         fmt::format("{}: is closed and faces inwards, as a room does; {}", mesh_label(scene, index),
+                                     scene.materials[material_of(mesh, 0)].single_sided
+                                         ? "from outside the camera looks through its near sides"
+                                         : "it looks the same from both sides unless it becomes glass or a lamp"),
                          mesh.triangles.size());
     }
 }

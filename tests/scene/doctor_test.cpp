@@ -338,6 +338,9 @@ TEST(Doctor, SeesWhatIsInsideOut)
     };
     expect_only(examined([&](Scene& s) { box(s, add_glass(s)); }), "inside-out-glass", Severity::doubtful, "cube", 12);
     expect_only(examined([&](Scene& s) { box(s, add_grey(s)); }), "inside-out", Severity::info, "cube", 12);
+    MaterialDesc front;
+    front.single_sided = true;
+    expect_only(examined([&](Scene& s) { box(s, add(s, front)); }), "inside-out", Severity::info, "looks through", 12);
     expect_only(examined([&](Scene& s) {
                     Mesh mesh = make_box("cube", vec3(0), vec3(1), add_glass(s));
                     std::swap(mesh.triangles[0].x, mesh.triangles[0].y);
@@ -456,6 +459,20 @@ TEST(Doctor, SeesFacesThatAreThereTwice)
     expect_only(examined(walls(false, false)), "double-faces", Severity::doubtful, "mesh 'wall' and mesh 'poster'", 2);
     expect_only(examined(walls(false, true)), "double-faces", Severity::doubtful, "back to back", 2);
     expect_only(examined(walls(true, false)), "double-faces", Severity::info, "2 triangles in the same place", 2);
+
+    // Two materials back to back are no fault if each is seen from its side only.
+    const auto cards = [](bool single_sided) {
+        return [=](Scene& s) {
+            MaterialDesc face;
+            face.single_sided = single_sided;
+            place(s, make_quad("front", vec3(0), vec3(1, 0, 0), vec3(1, 1, 0), vec3(0, 1, 0), add(s, face)));
+            Mesh back = make_quad("back", vec3(0), vec3(1, 0, 0), vec3(1, 1, 0), vec3(0, 1, 0), add(s, face));
+            turn_over(back);
+            place(s, back);
+        };
+    };
+    expect_only(examined(cards(true)), "double-faces", Severity::info, "back to back", 2);
+    expect_only(examined(cards(false)), "double-faces", Severity::doubtful, "back to back", 2);
 
     // In one mesh, the second time beginning at another corner.
     expect_only(examined([](Scene& s) {
