@@ -171,7 +171,10 @@ SNELL_FN vec3 eval_bsdf(SNELL_IN(MaterialPoint) m, vec3 wo, vec3 wi)
         if (m.alpha > 0.0f) f += m.specular * eval_ggx_reflection(m.alpha, wo, wi);
         return f;
     }
-    if (m.kind == material_principled) return eval_principled(m.principled, wo, wi);
+    if (m.kind == material_principled) { // a copy, so that the rest of m may stay in registers
+        PrincipledPoint p = m.principled;
+        return eval_principled(p, wo, wi);
+    }
     if (m.alpha > 0.0f && m.kind == material_dielectric) return eval_rough_dielectric(m, wo, wi);
     if (m.alpha > 0.0f && m.kind == material_conductor && wo.z * wi.z > 0.0f) {
         float cos_h = dot(wo, normalize(wo + wi));
@@ -189,7 +192,10 @@ SNELL_FN float pdf_bsdf(SNELL_IN(MaterialPoint) m, vec3 wo, vec3 wi)
         if (m.alpha > 0.0f) pdf += p * pdf_ggx_reflection(m.alpha, wo, wi);
         return pdf;
     }
-    if (m.kind == material_principled) return pdf_principled(m.principled, wo, wi);
+    if (m.kind == material_principled) {
+        PrincipledPoint p = m.principled;
+        return pdf_principled(p, wo, wi);
+    }
     if (m.alpha > 0.0f && m.kind == material_dielectric) return pdf_rough_dielectric(m, wo, wi);
     if (m.alpha > 0.0f && m.kind == material_conductor) return pdf_ggx_reflection(m.alpha, wo, wi);
     return 0.0f;
@@ -201,7 +207,10 @@ SNELL_FN BsdfSample sample_bsdf(SNELL_IN(MaterialPoint) m, vec3 wo, vec2 u, floa
     BsdfSample s = no_bsdf_sample();
     if (wo.z == 0.0f || m.kind == material_unlit) return s;
     if (m.kind == material_diffuse) return sample_lambert(m.base_color, wo, u);
-    if (m.kind == material_principled) return sample_principled(m.principled, wo, u, u_lobe);
+    if (m.kind == material_principled) {
+        PrincipledPoint p = m.principled;
+        return sample_principled(p, wo, u, u_lobe);
+    }
     if (m.kind == material_dielectric) {
         if (m.alpha > 0.0f) return sample_rough_dielectric(m, wo, u, u_lobe);
         return sample_smooth_dielectric(m, wo, u_lobe);

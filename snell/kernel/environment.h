@@ -70,7 +70,7 @@ SNELL_FN float environment_solid_angle(SNELL_IN(Environment) environment, vec2 p
 }
 
 // Radiance that arrives from a direction of unit length.
-SNELL_FN vec3 environment_radiance(SNELL_IN(SceneView) scene, vec3 direction)
+SNELL_FN_COLD vec3 environment_radiance(SNELL_IN(SceneView) scene, vec3 direction)
 {
     if (scene.environment.texture == none) return scene.environment.radiance;
     vec2 p = environment_point(scene.environment, direction);
@@ -84,7 +84,7 @@ SNELL_FN vec3 environment_radiance(SNELL_IN(SceneView) scene, vec3 direction)
 }
 
 // Density per steradian with which sample_environment draws a direction.
-SNELL_FN float pdf_environment(SNELL_IN(SceneView) scene, vec3 direction)
+SNELL_FN_COLD float pdf_environment(SNELL_IN(SceneView) scene, vec3 direction)
 {
     uint columns = scene.environment.columns;
     uint rows = scene.environment.rows;
@@ -124,7 +124,7 @@ SNELL_FN float place_in_cell(SNELL_IN(SceneView) scene, uint cell, float u)
 }
 
 // Draws a direction: by the picture's brightness, or uniformly if the environment is constant.
-SNELL_FN LightSample sample_environment(SNELL_IN(SceneView) scene, vec2 u)
+SNELL_FN_COLD LightSample sample_environment(SNELL_IN(SceneView) scene, vec2 u)
 {
     LightSample s = no_light_sample();
     s.is_infinite = 1u;

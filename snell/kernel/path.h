@@ -124,7 +124,13 @@ SNELL_FN PathStep shade_path(SNELL_IN(SceneView) scene, SNELL_IN(RenderParams) p
     if (state.depth >= params.max_depth) return step;
     if (v.material.kind == material_principled) {
         float dispersion = scene.principled.at[scene.materials.at[v.surface.material].principled].dispersion;
-        if (dispersion > 0.0f) disperse(scene, dispersion, state, v);
+        if (dispersion > 0.0f) { // on copies: see make_vertex
+            PathState one_color = state;
+            Vertex dispersed = v;
+            disperse(scene, dispersion, one_color, dispersed);
+            state = one_color;
+            v = dispersed;
+        }
     }
 
     SampleKey key = state_key(params, state);

@@ -83,14 +83,14 @@ SNELL_FN uint vertex_dimension(uint depth, uint which)
     return 2u + 4u * depth + which;
 }
 
-// The seeds for passes_through of a path's ray, and of the connection from where it arrives.
+// The seeds for passes_through of a path's ray, and of the connection from where it arrives; it mixes them.
 SNELL_FN uint extension_seed(SNELL_IN(PathState) state)
 {
-    return hash_uint(state.key_pixel ^ hash_uint(state.key_reversed_index + 2u * state.depth));
+    return state.key_pixel ^ ((state.key_reversed_index + 2u * state.depth) * 0x9e3779b9u);
 }
 SNELL_FN uint connection_seed(SNELL_IN(PathState) state)
 {
-    return hash_uint(state.key_pixel ^ hash_uint(state.key_reversed_index + 2u * state.depth + 1u));
+    return state.key_pixel ^ ((state.key_reversed_index + 2u * state.depth + 1u) * 0x9e3779b9u);
 }
 
 struct CameraPath
@@ -128,16 +128,29 @@ struct Vertex
     vec3 emission; // radiance emitted back along the ray
 };
 
-// Applies normal maps, and turns the frame along the tangents. back: unit length, to where the ray came from.
-SNELL_FN_COLD void bend_vertex(SNELL_IN(SceneView) scene, SNELL_IN(Material) material, SNELL_IN(Hit) hit, vec3 back,
-                               SNELL_INOUT(Vertex) v)
+// What only some materials need stands in functions of its own, which get copies: a reference into the vertex would
+// keep all of it in memory, for all materials.
+
+// The frame after normal maps, turned along the tangents. back: unit length, to where the ray came from.
+SNELL_FN_COLD Frame bent_frame(SNELL_IN(SceneView) scene, SurfacePoint surface, Hit hit, vec3 back)
 {
+    Material material = scene.materials.at[surface.material];
     uint uv_set = material.normal_slot != none ? scene.slots.at[material.normal_slot].uv_set : 0u;
-    vec3 tangent = surface_tangents(scene, v.surface, hit, uv_set).u;
+    vec3 tangent = surface_tangents(scene, surface, hit, uv_set).u;
+    vec3 n = surface.shading_normal;
     if (material.normal_slot != none)
-        v.surface.shading_normal =
-            mapped_normal(scene, v.surface, hit, material.normal_slot, material.normal_scale, back);
-    v.frame = make_tangent_frame(v.surface.shading_normal, tangent);
+        n = mapped_normal(scene, surface, hit, material.normal_slot, material.normal_scale, back);
+    return make_tangent_frame(n, tangent);
+}
+
+// Of a principled material, resolved for wo.
+SNELL_FN_COLD PrincipledPoint vertex_principled(SNELL_IN(SceneView) scene, SurfacePoint surface, Hit hit,
+                                                vec3 base_color, Frame frame, vec3 back, vec3 wo)
+{
+    PrincipledPoint p =
+        principled_point(scene, scene.materials.at[surface.material], surface, hit, base_color, frame, back);
+    if (wo.z != 0.0f) p = resolve_principled(scene.albedo, p, wo);
+    return p;
 }
 
 // ray.direction has unit length.
@@ -148,14 +161,16 @@ SNELL_FN Vertex make_vertex(SNELL_IN(SceneView) scene, Ray ray, Hit hit)
     Material material = scene.materials.at[v.surface.material];
     v.material = material_point(scene, material, v.surface);
     vec3 back = -ray.direction;
-    if ((material.flags & material_needs_tangents) != 0u)
-        bend_vertex(scene, material, hit, back, v);
-    else
+    if ((material.flags & material_needs_tangents) != 0u) {
+        v.frame = bent_frame(scene, v.surface, hit, back);
+        v.surface.shading_normal = v.frame.n;
+    } else {
         v.frame = make_frame(v.surface.shading_normal);
+    }
     v.wo = to_local(v.frame, back);
     if (material.kind == material_principled) {
-        v.material.principled = principled_point(scene, material, v.surface, hit, v.material.base_color, v.frame, back);
-        if (v.wo.z != 0.0f) v.material.principled = resolve_principled(scene.albedo, v.material.principled, v.wo);
+        PrincipledPoint p = vertex_principled(scene, v.surface, hit, v.material.base_color, v.frame, back, v.wo);
+        v.material.principled = p;
     }
     bool lit_side =
         dot(v.surface.geometric_normal, back) > 0.0f || (material.flags & material_two_sided_emission) != 0u;

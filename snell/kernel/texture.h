@@ -43,7 +43,7 @@ SNELL_FN float near_coordinate(float x, uint mode)
 
 // Linear RGBA at a coordinate of the slot's texture; u = 0 is the left edge, v = 0 the lower one. As a loop: drivers
 // expand every call of it in place.
-SNELL_FN vec4 filter_texture(SNELL_IN(SceneView) scene, TextureSlot slot, vec2 uv)
+SNELL_FN_COLD vec4 filter_texture(SNELL_IN(SceneView) scene, TextureSlot slot, vec2 uv)
 {
     Texture texture = scene.textures.at[slot.texture];
     float x = 0.0f;
@@ -68,7 +68,7 @@ SNELL_FN vec4 filter_texture(SNELL_IN(SceneView) scene, TextureSlot slot, vec2 u
 }
 
 // Linear RGBA that a slot (not none) gives a point with these texture coordinates.
-SNELL_FN vec4 sample_texture(SNELL_IN(SceneView) scene, uint slot_index, vec2 uv_0, vec2 uv_1)
+SNELL_FN_COLD vec4 sample_texture(SNELL_IN(SceneView) scene, uint slot_index, vec2 uv_0, vec2 uv_1)
 {
     TextureSlot slot = scene.slots.at[slot_index];
     vec2 uv = slot.uv_set == 0u ? uv_0 : uv_1;

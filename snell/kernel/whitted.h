@@ -18,7 +18,7 @@ SNELL_FN bool is_worth_following(PathState state)
 }
 
 // The lobes that are followed of a principled surface.
-SNELL_FN_COLD PrincipledPoint without_diffuse(SNELL_IN(PrincipledPoint) point)
+SNELL_FN_COLD PrincipledPoint without_diffuse(PrincipledPoint point)
 {
     PrincipledPoint p = point;
     p.diffuse = vec3(0.0f);

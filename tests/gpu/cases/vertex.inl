@@ -17,5 +17,14 @@ TWIN_BUILTIN(make_vertex, 1e-3f, 1e-3f, 0.005f) // the normals switch sides; the
     give(v.emission);
     give(vertex_eval(v, w));
 }
+TWIN_BUILTIN(bent_frame, 1e-3f, 1e-3f, 0.005f) // see mapped_normal
+{
+    Ray ray = draw_ray();
+    Hit hit = draw_hit();
+    Frame frame = bent_frame(scene, surface_point(scene, ray, hit), hit, -normalize(ray.direction));
+    give(frame.s);
+    give(frame.t);
+    give(frame.n);
+}
 
 #endif
