@@ -1,7 +1,7 @@
 #include "picture_layers.h"
 
 #include "snell/core/version.h"
-#include "snell/kernel/camera.h"
+#include "snell/render/params.h"
 
 #include <fmt/format.h>
 
@@ -53,9 +53,7 @@ Layers picture_layers(const RenderReport& report, const CameraDesc& desc)
         layers.numbers["time"] = *report.job.scene.time;
     }
     layers.alpha = film.alpha(); // what was not rendered is transparent, not black
-    const float half_fov = desc.fov_degrees * pi / 360.0f;
-    add_matrices(layers, make_pinhole(desc.eye, desc.target, desc.up, tan(half_fov), static_cast<float>(settings.width),
-                                      static_cast<float>(settings.height)));
+    add_matrices(layers, make_camera(desc, settings.width, settings.height));
     return layers;
 }
 

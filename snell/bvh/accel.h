@@ -41,6 +41,10 @@ class Accel
     // The nearest hit of each ray in (t_min, t_max). hits.size() == rays.size().
     virtual void intersect(std::span<const Ray> rays, std::span<Hit> hits) const = 0;
 
+    // The nearest hit behind `after[i]`, a hit of the same ray: of surfaces at the same t, each comes once, in the
+    // order of ties. For rays that pass through what they meet.
+    virtual void intersect_next(std::span<const Ray> rays, std::span<const Hit> after, std::span<Hit> hits) const = 0;
+
     // blocked[i] becomes 1 if anything lies in (t_min, t_max) of ray i, else 0.
     virtual void occluded(std::span<const Ray> rays, std::span<std::uint8_t> blocked) const = 0;
 

@@ -1,5 +1,6 @@
 #include "snell/bvh/brute.h"
 
+#include "snell/bvh/simd/ray_state.h"
 #include "snell/core/error.h"
 #include "snell/kernel/intersect.h"
 
@@ -21,6 +22,17 @@ class Brute : public Accel
     {
         SNELL_CHECK_EQ(rays.size(), hits.size());
         for (std::size_t i = 0; i < rays.size(); ++i) hits[i] = trace(rays[i]).hit;
+    }
+
+    void intersect_next(std::span<const Ray> rays, std::span<const Hit> after, std::span<Hit> hits) const override
+    {
+        SNELL_CHECK_EQ(rays.size(), hits.size());
+        SNELL_CHECK_EQ(rays.size(), after.size());
+        for (std::size_t i = 0; i < rays.size(); ++i) {
+            Ray ray = rays[i];
+            ray.t_min = float_before(after[i].t);
+            hits[i] = trace(ray, &after[i]).hit;
+        }
     }
 
     void occluded(std::span<const Ray> rays, std::span<std::uint8_t> blocked) const override
@@ -45,14 +57,15 @@ class Brute : public Accel
     {
         Hit hit;
         uint steps;
+        const Hit* after; // or nullptr
     };
 
     const PackedScene& scene;
     const uint test;
 
-    Result trace(const Ray& ray) const
+    Result trace(const Ray& ray, const Hit* after = nullptr) const
     {
-        Result result = {miss(ray.t_max), 0};
+        Result result = {miss(ray.t_max), 0, after};
         if (!is_traceable(ray)) return result;
         const SceneView view = scene.view();
         for (uint i = 0; i < scene.planes.size(); ++i)
@@ -79,7 +92,12 @@ class Brute : public Accel
               Result& result) const
     {
         ++result.steps;
-        const Intersection r = intersect_primitive_by(view, primitive, ray, shear, test);
+        Intersection r = intersect_primitive_by(view, primitive, ray, shear, test);
+        if (r.ok && result.after != nullptr && !is_later_hit(r.t, primitive, instance, *result.after)) {
+            Ray onward = ray; // the far side of a sphere may be
+            onward.t_min = r.t;
+            r = intersect_primitive_by(view, primitive, onward, shear, test);
+        }
         if (r.ok && is_better_hit(r.t, primitive, instance, result.hit))
             result.hit = {r.t, r.u, r.v, primitive, instance};
     }

@@ -1,5 +1,6 @@
 #include "snell/bvh/bvh8.h"
 
+#include "snell/bvh/simd/ray_state.h"
 #include "snell/bvh/simd/traverse.h"
 #include "snell/core/error.h"
 
@@ -60,6 +61,15 @@ class Bvh8 : public Accel
         case Kernel::stream:
             return trace_stream(input, rays, hits);
         }
+    }
+
+    void intersect_next(std::span<const Ray> rays, std::span<const Hit> after, std::span<Hit> hits) const override
+    {
+        SNELL_CHECK_EQ(rays.size(), hits.size());
+        SNELL_CHECK_EQ(rays.size(), after.size());
+        std::vector<Ray> onward(rays.begin(), rays.end());
+        for (std::size_t i = 0; i < rays.size(); ++i) onward[i].t_min = float_before(after[i].t);
+        trace_single_next(input, onward, after, hits);
     }
 
     void occluded(std::span<const Ray> rays, std::span<std::uint8_t> blocked) const override

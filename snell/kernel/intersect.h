@@ -267,5 +267,13 @@ SNELL_FN bool is_better_hit(float t, uint primitive, uint instance, Hit found)
     return instance < found.instance;
 }
 
+// Whether a hit comes behind another one of the same ray in that order.
+SNELL_FN bool is_later_hit(float t, uint primitive, uint instance, Hit earlier)
+{
+    if (t != earlier.t) return t > earlier.t;
+    if (primitive != earlier.primitive) return primitive > earlier.primitive;
+    return instance > earlier.instance;
+}
+
 SNELL_END
 #endif

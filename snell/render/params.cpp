@@ -94,10 +94,17 @@ RenderParams make_render_params(const RenderSettings& settings, const Integrator
     if (!(camera.fov_degrees > 0 && camera.fov_degrees < 180))
         throw Error(fmt::format("a field of view of {} degrees", camera.fov_degrees),
                     "it must lie between 0 and 180, both excluded");
-    const float tan_half_fov = std::tan(camera.fov_degrees * std::numbers::pi_v<float> / 360.0f);
-    params.camera = make_pinhole(camera.eye, camera.target, camera.up, tan_half_fov, static_cast<float>(settings.width),
-                                 static_cast<float>(settings.height));
+    params.camera = make_camera(camera, settings.width, settings.height);
     return params;
+}
+
+Camera make_camera(const CameraDesc& desc, int width, int height)
+{
+    const float tan_half_fov = std::tan(desc.fov_degrees * std::numbers::pi_v<float> / 360.0f);
+    Camera camera = make_pinhole(desc.eye, desc.target, desc.up, tan_half_fov, static_cast<float>(width),
+                                 static_cast<float>(height));
+    if (desc.mirrored) camera.right = -camera.right;
+    return camera;
 }
 
 } // namespace snell

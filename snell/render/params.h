@@ -11,4 +11,7 @@ namespace snell {
 RenderParams make_render_params(const RenderSettings& settings, const IntegratorInfo& integrator,
                                 const CameraDesc& camera, float scene_radius);
 
+// The camera of a picture of that size, in pixels.
+Camera make_camera(const CameraDesc& desc, int width, int height);
+
 } // namespace snell

@@ -8,16 +8,16 @@ void pass_holes(const SceneView& scene, const Accel& accel, std::span<const Ray>
                 bool from_camera, std::vector<uint> which, std::vector<uint> seeds)
 {
     std::vector<Ray> onward;
-    std::vector<Hit> found;
+    std::vector<Hit> passed, found;
     for (;;) {
         std::size_t kept = 0;
         onward.clear();
+        passed.clear();
         for (std::size_t k = 0; k < which.size(); ++k) {
             const uint i = which[k];
             if (!is_hit(hits[i]) || !passes_through(scene, rays[i], hits[i], seeds[k], from_camera)) continue;
-            Ray ray = rays[i]; // t still counts from its origin: each hit is further than the last
-            ray.t_min = hits[i].t;
-            onward.push_back(ray);
+            onward.push_back(rays[i]);
+            passed.push_back(hits[i]);
             which[kept] = i;
             seeds[kept] = seeds[k];
             ++kept;
@@ -26,7 +26,7 @@ void pass_holes(const SceneView& scene, const Accel& accel, std::span<const Ray>
         which.resize(kept);
         seeds.resize(kept);
         found.resize(kept);
-        accel.intersect(onward, found);
+        accel.intersect_next(onward, passed, found);
         for (std::size_t k = 0; k < kept; ++k) hits[which[k]] = found[k];
     }
 }

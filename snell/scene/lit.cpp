@@ -43,7 +43,10 @@ static Glow glow_of(const Scene& scene, const MaterialDesc& material)
     Glow glow;
     if (is_black(material.emission) || material.kind == material_unlit) return glow;
     glow.radiance = static_cast<double>(luminance(material.emission));
+    // Principled materials come from models made for viewers that bring their own light: their labels and displays
+    // shine with at most 1, whereas a lamp there has an emissive strength.
     glow.is_lamp = max3(material.emission) > 1.0f;
+    if (material.kind == material_principled && !glow.is_lamp) return Glow{};
     if (material.emission_texture.valid()) {
         const double mean = mean_luminance(scene.images.at(material.emission_texture.image.value));
         glow.radiance *= mean;

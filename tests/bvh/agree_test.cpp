@@ -1,5 +1,6 @@
 // Every structure, on every instruction set, finds bit for bit the hits of brute force.
 #include "snell/bvh/simd/traverse.h"
+#include "snell/kernel/intersect.h"
 #include "tests/bvh/scenes.h"
 
 #include <fmt/format.h>
@@ -66,6 +67,33 @@ void expect_kernels(const PackedScene& scene, const std::vector<Ray>& rays, cons
     }
 }
 
+// From hit to hit, all of them behind each other.
+void expect_same_chains(const Accel& accel, const Accel& brute, std::vector<Ray> rays, std::vector<Hit> hits)
+{
+    constexpr int most = 6;
+    for (int link = 0; link < most; ++link) {
+        std::size_t kept = 0;
+        for (std::size_t i = 0; i < rays.size(); ++i)
+            if (is_hit(hits[i])) rays[kept] = rays[i], hits[kept++] = hits[i];
+        if (kept == 0) return;
+        rays.resize(kept);
+        hits.resize(kept);
+        std::vector<Hit> expected(kept), found(kept);
+        brute.intersect_next(rays, hits, expected);
+        accel.intersect_next(rays, hits, found);
+        int wrong = 0;
+        for (std::size_t i = 0; i < kept && wrong < 3; ++i) {
+            ASSERT_TRUE(!is_hit(expected[i]) ||
+                        is_later_hit(expected[i].t, expected[i].primitive, expected[i].instance, hits[i]));
+            if (same(found[i], expected[i])) continue;
+            ++wrong;
+            ADD_FAILURE() << "behind " << describe(rays[i], hits[i]) << "\nexpected " << describe(rays[i], expected[i])
+                          << "\n     got " << describe(rays[i], found[i]);
+        }
+        hits = std::move(expected);
+    }
+}
+
 void expect_agreement(const PackedScene& scene, const std::vector<Ray>& rays, std::size_t least_hits,
                       TriangleTest test = TriangleTest::watertight)
 {
@@ -94,6 +122,7 @@ void expect_agreement(const PackedScene& scene, const std::vector<Ray>& rays, st
             accel->intersect(rays, hits);
             accel->occluded(rays, blocked);
             accel->intersect_counted(rays, counted, steps);
+            expect_same_chains(*accel, *brute, rays, expected);
             int wrong = 0;
             for (std::size_t i = 0; i < rays.size() && wrong < 3; ++i) {
                 if (same(hits[i], expected[i]) && same(counted[i], expected[i]) && blocked[i] == expected_blocked[i])
@@ -146,6 +175,29 @@ TEST(BvhAgrees, GridsWithExactEdges)
             rays.push_back(make_ray(vec3(static_cast<float>(i) / 16.0f, static_cast<float>(j) / 16.0f, 2.0f),
                                     vec3(0.0f, 0.0f, -1.0f), infinity()));
     expect_agreement(scene, rays, rays.size());
+}
+
+// Coplanar surfaces of the same corners: the hits behind each other are all of them, each once, then nothing.
+TEST(BvhAgrees, EverySurfaceOfAStackComesOnce)
+{
+    PackedScene scene;
+    for (int i = 0; i < 5; ++i) add_triangle(scene, vec3(-1, -1, 0), vec3(1, -1, 0), vec3(0, 1, 0));
+    add_sphere(scene, vec3(0, 0, -3), 1.0f);
+    add_sphere(scene, vec3(0, 0, -3), 1.0f);
+    end_world(scene);
+    const std::vector<Ray> rays = {make_ray(vec3(0.1f, 0.1f, 2.0f), vec3(0, 0, -1), infinity())};
+    for (const AccelInfo& info : accels()) {
+        SCOPED_TRACE(info.name);
+        const auto accel = info.make(scene, {});
+        std::vector<Hit> hits(1), next(1);
+        accel->intersect(rays, hits);
+        int count = 0;
+        for (; is_hit(hits[0]) && count < 20; ++count) {
+            accel->intersect_next(rays, hits, next);
+            hits = next;
+        }
+        EXPECT_EQ(count, 5 + 2 * 2);
+    }
 }
 
 TEST(BvhAgrees, SphereClouds)

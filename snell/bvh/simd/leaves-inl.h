@@ -90,7 +90,15 @@ HWY_INLINE void accept(RayState& s, float t, float u, float v, uint primitive, u
     s.hit = {t, u, v, primitive, instance};
 }
 
+// Query::next leaves out what does not come behind the hit to go on from.
+template <Query query>
+HWY_INLINE bool is_wanted(const RayState& s, float t, uint primitive)
+{
+    return query != Query::next || is_later_hit(t, primitive, s.instance, s.after);
+}
+
 // One triangle of a block by the kernel function, for rays that meet an edge to within rounding.
+template <Query query>
 HWY_NOINLINE bool visit_triangle_exactly(const TriangleBlock& block, uint lane, RayState& s)
 {
     vec3 v[3];
@@ -98,7 +106,8 @@ HWY_NOINLINE bool visit_triangle_exactly(const TriangleBlock& block, uint lane, 
         for (int axis = 0; axis < 3; ++axis) v[vertex][axis] = block.v[vertex][axis][lane];
     const Intersection r = intersect_triangle_watertight(s.ray, s.shear, v[0], v[1], v[2]);
     const uint primitive = pack_primitive(kind_triangle, block.id[lane]);
-    if (!r.ok || !is_better_hit(r.t, primitive, s.instance, s.hit)) return false;
+    if (!r.ok || !is_wanted<query>(s, r.t, primitive) || !is_better_hit(r.t, primitive, s.instance, s.hit))
+        return false;
     accept(s, r.t, r.u, r.v, primitive, s.instance);
     return true;
 }
@@ -124,11 +133,11 @@ HWY_INLINE bool visit_triangles(const TriangleBlock& block, RayState& s)
     for (uint rest = ok | unsure; rest != 0; rest &= rest - 1) {
         const auto lane = static_cast<uint>(hwy::Num0BitsBelowLS1Bit_Nonzero32(rest));
         if (HWY_UNLIKELY(unsure >> lane & 1u)) {
-            improved = visit_triangle_exactly(block, lane, s) || improved;
+            improved = visit_triangle_exactly<query>(block, lane, s) || improved;
             continue;
         }
         const uint primitive = pack_primitive(kind_triangle, block.id[lane]);
-        if (!is_better_hit(t[lane], primitive, s.instance, s.hit)) continue;
+        if (!is_wanted<query>(s, t[lane], primitive) || !is_better_hit(t[lane], primitive, s.instance, s.hit)) continue;
         accept(s, t[lane], u[lane] / det[lane], v[lane] / det[lane], primitive, s.instance);
         improved = true;
     }
@@ -143,8 +152,13 @@ HWY_INLINE bool visit_spheres(const TraceInput& input, const SphereBlock& block,
         if (id == none) break;
         if (query == Query::counted) ++s.steps;
         const Sphere& ball = input.scene->spheres[id];
-        const Intersection r = intersect_sphere(s.ray, ball.center, ball.radius);
+        Intersection r = intersect_sphere(s.ray, ball.center, ball.radius);
         const uint primitive = pack_primitive(kind_sphere, id);
+        if (query == Query::next && r.ok && !is_wanted<query>(s, r.t, primitive)) { // the far side may be
+            Ray onward = s.ray;
+            onward.t_min = r.t;
+            r = intersect_sphere(onward, ball.center, ball.radius);
+        }
         if (!r.ok || !is_better_hit(r.t, primitive, s.instance, s.hit)) continue;
         accept(s, r.t, 0.0f, 0.0f, primitive, s.instance);
         improved = true;

@@ -21,6 +21,7 @@ enum class Query
 {
     closest,
     counted, // closest, and counts steps
+    next,    // closest behind a given hit
     any
 };
 

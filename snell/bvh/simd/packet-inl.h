@@ -251,7 +251,7 @@ class PacketTracer
     {
         for (; lanes != 0; lanes &= lanes - 1)
             visit_alone(p, static_cast<uint>(hwy::Num0BitsBelowLS1Bit_Nonzero32(lanes)),
-                        [&](RayState& s) HWY_ATTR { visit_triangle_exactly(block, triangle, s); });
+                        [&](RayState& s) HWY_ATTR { visit_triangle_exactly<Query::closest>(block, triangle, s); });
     }
 
     // watertight() with vectors of rays instead of triangles.

@@ -38,6 +38,7 @@ struct alignas(64) RayState
     uint steps;
     Ray ray; // in the space of the tree that is being traversed
     Hit hit;
+    Hit after; // Query::next: what the hit must come behind
 };
 
 // Rows of WideNode::planes, as offsets in floats, through which rays of an octant enter and leave a box.

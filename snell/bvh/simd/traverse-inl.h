@@ -39,8 +39,9 @@ template <Query query, TriangleTest test>
 class Walker
 {
   public:
-    Walker(const TraceInput& in, std::span<const Ray> batch, std::size_t stack_stride)
-        : input(in), bvh(*in.bvh), rays(batch), stride(stack_stride)
+    // before: Query::next's hits, one a ray.
+    Walker(const TraceInput& in, std::span<const Ray> batch, std::size_t stack_stride, std::span<const Hit> before = {})
+        : input(in), bvh(*in.bvh), rays(batch), stride(stack_stride), after(before)
     {
     }
 
@@ -56,11 +57,13 @@ class Walker
         if (!is_traceable(ray)) return false;
         s.t_min = ray.t_min;
         s.best = float_before(ray.t_max);
+        if (query == Query::next) s.after = after[index];
         for (std::size_t i = 0; i < input.scene->planes.size(); ++i) {
             const Plane& plane = input.scene->planes[i];
             if (query == Query::counted) ++s.steps;
             const Intersection r = intersect_plane(ray, plane.normal, plane.offset);
             const uint primitive = pack_primitive(kind_plane, static_cast<uint>(i));
+            if (query == Query::next && !is_later_hit(r.t, primitive, none, s.after)) continue;
             if (r.ok && is_better_hit(r.t, primitive, none, s.hit)) accept(s, r.t, 0.0f, 0.0f, primitive, none);
         }
         if (bvh.world.word == word_done || (query == Query::any && is_hit(s.hit))) return false;
@@ -102,6 +105,7 @@ class Walker
     const WideBvh& bvh;
     const std::span<const Ray> rays;
     const std::size_t stride; // of Stacks
+    const std::span<const Hit> after;
 
   private:
     void enter_instance(RayState& s, uint index) const
@@ -160,10 +164,11 @@ HWY_INLINE void walk(const Walker<query, test>& walker, RayState& s)
 }
 
 template <Query query, TriangleTest test, class Finish>
-HWY_INLINE void trace_one_by_one(const TraceInput& input, std::span<const Ray> rays, const Finish& finish)
+HWY_INLINE void trace_one_by_one(const TraceInput& input, std::span<const Ray> rays, std::span<const Hit> after,
+                                 const Finish& finish)
 {
     Stacks stacks(1, input.bvh->stack_size);
-    const Walker<query, test> walker(input, rays, stacks.stride);
+    const Walker<query, test> walker(input, rays, stacks.stride, after);
     RayState s;
     s.stack = stacks.stack(0);
     for (std::size_t i = 0; i < rays.size(); ++i) {
@@ -173,17 +178,24 @@ HWY_INLINE void trace_one_by_one(const TraceInput& input, std::span<const Ray> r
 }
 
 template <Query query, class Finish>
-HWY_INLINE void single(const TraceInput& input, std::span<const Ray> rays, const Finish& finish)
+HWY_INLINE void single(const TraceInput& input, std::span<const Ray> rays, const Finish& finish,
+                       std::span<const Hit> after = {})
 {
     if (input.triangle_test == TriangleTest::watertight)
-        trace_one_by_one<query, TriangleTest::watertight>(input, rays, finish);
+        trace_one_by_one<query, TriangleTest::watertight>(input, rays, after, finish);
     else
-        trace_one_by_one<query, TriangleTest::moller_trumbore>(input, rays, finish);
+        trace_one_by_one<query, TriangleTest::moller_trumbore>(input, rays, after, finish);
 }
 
 void single_closest(const TraceInput& input, std::span<const Ray> rays, std::span<Hit> hits)
 {
     single<Query::closest>(input, rays, [&](const RayState& s) { hits[s.ray_index] = s.hit; });
+}
+
+void single_next(const TraceInput& input, std::span<const Ray> rays, std::span<const Hit> after, std::span<Hit> hits)
+{
+    single<Query::next>(
+        input, rays, [&](const RayState& s) { hits[s.ray_index] = s.hit; }, after);
 }
 
 void single_any(const TraceInput& input, std::span<const Ray> rays, std::span<std::uint8_t> blocked)

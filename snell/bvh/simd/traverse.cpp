@@ -16,6 +16,7 @@
 namespace snell {
 
 HWY_EXPORT(single_closest);
+HWY_EXPORT(single_next);
 HWY_EXPORT(single_any);
 HWY_EXPORT(single_counted);
 HWY_EXPORT(stream_closest);
@@ -26,6 +27,12 @@ HWY_EXPORT(packets_any);
 void trace_single(const TraceInput& input, std::span<const Ray> rays, std::span<Hit> hits)
 {
     HWY_DYNAMIC_DISPATCH(single_closest)(input, rays, hits);
+}
+
+void trace_single_next(const TraceInput& input, std::span<const Ray> rays, std::span<const Hit> after,
+                       std::span<Hit> hits)
+{
+    HWY_DYNAMIC_DISPATCH(single_next)(input, rays, after, hits);
 }
 
 void trace_single_any(const TraceInput& input, std::span<const Ray> rays, std::span<std::uint8_t> blocked)

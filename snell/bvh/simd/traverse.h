@@ -16,6 +16,9 @@ struct TraceInput
 
 // One ray after the other.
 void trace_single(const TraceInput& input, std::span<const Ray> rays, std::span<Hit> hits);
+// The nearest hits behind `after`, in the order of is_later_hit; the rays' t_min are just below its t.
+void trace_single_next(const TraceInput& input, std::span<const Ray> rays, std::span<const Hit> after,
+                       std::span<Hit> hits);
 void trace_single_any(const TraceInput& input, std::span<const Ray> rays, std::span<std::uint8_t> blocked);
 void trace_counted(const TraceInput& input, std::span<const Ray> rays, std::span<Hit> hits, std::span<uint> steps);
 
