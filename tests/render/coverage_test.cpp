@@ -63,8 +63,8 @@ TEST(Coverage, SingleSidedSheetsAreSeenFromTheFrontOnly)
     look(scene, vec3(0, 0.5f, 0.3f), vec3(0.0f, 0.9f, 0.0f)); // up from below: past the sheet, at nothing
     expect_value(measure(scene, probe_settings("path", {}, 16)), 0.0, 1e-6);
     expect_value(measure(scene, probe_settings("albedo", {}, 16)), 0.0, 1e-6);
-    look(scene, vec3(0, 0.5f, 0.3f), vec3(0.0f)); // at the floor: it lies in the sheet's shadow
-    expect_value(measure(scene, probe_settings("path", {}, 16)), 0.0, 1e-6);
+    look(scene, vec3(0, 0.5f, 0.3f), vec3(0.0f)); // at the floor: in the sheet's shadow but for light from far around
+    EXPECT_LT(measure(scene, probe_settings("path", {}, 16)).mean, 1e-5);
     look(scene, vec3(0, 3.0f, 0.3f), vec3(0.0f, 1.0f, 0.0f)); // at the front
     expect_value(measure(scene, probe_settings("albedo", {}, 16)), 1.0, 1e-6);
 }
