@@ -209,7 +209,9 @@ bool Reader::transform_directive(const Token& token, Tokenizer& tokens)
         else
             apply(m);
     } else if (word == "CoordinateSystem") {
-        loader_.coordinate_systems[string(tokens, token)] = ctm;
+        const std::string name = string(tokens, token);
+        if (name.starts_with(camera_mark)) loader_.camera_name = name.substr(camera_mark.size());
+        loader_.coordinate_systems[name] = ctm;
     } else if (word == "CoordSysTransform") {
         const std::string name = string(tokens, token);
         const auto known = loader_.coordinate_systems.find(name);

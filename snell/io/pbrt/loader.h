@@ -128,6 +128,9 @@ struct PlyFile
     std::vector<PlyUse> uses;
 };
 
+// CoordinateSystem "camera:front" names the camera behind it; pbrt passes over that.
+inline constexpr std::string_view camera_mark = "camera:";
+
 struct Loader
 {
     Loader(const std::filesystem::path& file, const LoadOptions& load_options);
@@ -151,6 +154,7 @@ struct Loader
     std::map<std::tuple<std::string, bool, bool, bool, float>, Index<Image>> known_images;
     std::map<std::tuple<uint, float, float (*)(float)>, Index<Image>> mapped_images;
     std::optional<Look> look; // the last one
+    std::string camera_name;  // of the camera to come
     std::vector<AreaLight> area_lights;
     std::map<std::tuple<float, float, float, uint, bool, float>, uint> known_area_lights;
     std::vector<Medium> media;

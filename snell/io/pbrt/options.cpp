@@ -58,7 +58,8 @@ void set_camera(Loader& loader, const std::string& type, const ParameterList& pa
     const vec3 view = transform_vector(*to_world, vec3(0, 0, 1)), up = transform_vector(*to_world, vec3(0, 1, 0));
     const vec3 right = transform_vector(*to_world, vec3(1, 0, 0));
     CameraDesc camera;
-    camera.name = parameters.text("name");
+    camera.name = parameters.text("name", loader.camera_name);
+    loader.camera_name.clear();
     camera.eye = eye;
     camera.target = eye + normalize(view);
     camera.up = normalize(up);

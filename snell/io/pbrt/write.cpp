@@ -1,5 +1,6 @@
 #include "snell/io/pbrt/write.h"
 
+#include "snell/core/parallel.h"
 #include "snell/core/version.h"
 #include "snell/io/file.h"
 #include "snell/io/pbrt/write_parts.h"
@@ -121,7 +122,8 @@ std::vector<Note> write_pbrt(const Scene& scene, const std::filesystem::path& fi
     write_lights(w);
     write_materials(w);
     write_shapes(w);
-    write_atomically(file, w.text);
+    parallel_for(w.files.size(), [&](std::size_t i) { w.files[i](); });
+    write_atomically(file, w.text); // last, when all it refers to is there
     say_losses(w);
     return std::move(w.notes);
 }

@@ -1,4 +1,5 @@
 // What stands before the world, and lights.
+#include "snell/io/pbrt/loader.h"
 #include "snell/io/pbrt/write_parts.h"
 
 #include <cmath>
@@ -59,9 +60,10 @@ void write_cameras(Writer& w)
         // pbrt's cameras look into a left-handed space.
         if (!c.mirrored) w.line("Scale -1 1 1");
         w.line("LookAt {}  {}  {}", show(c.eye), show(c.target), show(c.up));
+        // A name as a parameter would stop pbrt.
         const std::string name = c.name.empty() && cameras.size() > 1 ? fmt::format("camera {}", i) : c.name;
-        w.line("Camera \"perspective\" \"float fov\" {}{}", c.fov_degrees,
-               name.empty() ? "" : fmt::format(" \"string name\" {}", in_quotes(name)));
+        if (!name.empty()) w.line("CoordinateSystem {}", in_quotes(fmt::format("{}{}", camera_mark, name)));
+        w.line("Camera \"perspective\" \"float fov\" {}", c.fov_degrees);
     }
     if (cameras.size() > 1) w.inform("the file has several cameras: snell takes the first one, pbrt the last");
 }

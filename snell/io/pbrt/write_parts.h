@@ -5,6 +5,7 @@
 #include "snell/scene/scene.h"
 
 #include <filesystem>
+#include <functional>
 #include <map>
 #include <set>
 #include <string>
@@ -72,6 +73,7 @@ struct Writer
     SideFolder meshes, textures;
     std::string text;
     std::vector<Note> notes;
+    std::vector<std::function<void()>> files;         // to write, in any order
     std::map<uint, std::string> pictures;             // files of the images, by number
     std::map<std::string, std::string> texture_names; // by what is behind the name
 
@@ -85,7 +87,7 @@ struct Writer
     void inform(std::string what) { notes.push_back({Note::Kind::info, std::move(what)}); }
 };
 
-// An image of the scene as a file (once), and the name for the scene's file to use. as_light: an environment's, which
+// An image of the scene as a file (once, and when `files` are written), and the name for the scene's file to use. as_light: an environment's, which
 // is read in floats.
 std::string write_picture_file(Writer& writer, Index<Image> image, bool as_light);
 // The name of a texture that is `factor` times what `ref` looks up; the directives that make it are written first.

@@ -23,6 +23,7 @@ void write_bytes(const std::filesystem::path& file, const Image& image)
         png_image png = {};
         png.version = PNG_IMAGE_VERSION;
         png.width = image.width, png.height = image.height;
+        png.flags = PNG_IMAGE_FLAG_FAST;
         png.format = is_opaque ? PNG_FORMAT_RGB : PNG_FORMAT_RGBA;
         const void* bytes = is_opaque ? rgb.data() : image.bytes.data();
         if (!png_image_write_to_file(&png, temporary.c_str(), 0, bytes, 0, nullptr))
@@ -98,10 +99,8 @@ std::string write_picture_file(Writer& w, Index<Image> index, bool as_light)
     // 8-bit pictures of light are decoded from sRGB whatever the file says.
     const bool is_bytes = image.format == texels_rgba8_srgb || (image.format == texels_rgba8_linear && !as_light);
     const SideFolder::Slot slot = w.textures.next(is_bytes ? ".png" : ".exr");
-    if (is_bytes)
-        write_bytes(slot.path, image);
-    else
-        write_floats(slot.path, image);
+    w.files.emplace_back(
+        [path = slot.path, &image, is_bytes] { is_bytes ? write_bytes(path, image) : write_floats(path, image); });
     return known = slot.reference;
 }
 
