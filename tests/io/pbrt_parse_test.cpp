@@ -164,17 +164,16 @@ TEST(PbrtNotes, UnknownThingsAreNotedOnceWithTheirPlace)
 
 TEST(PbrtTransforms, ComposeAsDirectivesSay)
 {
+    const std::string shape = a_triangle; // spheres keep no more than centre and radius
     const Scene scene = read_pbrt(R"(WorldBegin
-        AttributeBegin Translate 1 2 3 Rotate 90 0 0 1 Scale 2 3 4 Shape "sphere" AttributeEnd
+        AttributeBegin Translate 1 2 3 Rotate 90 0 0 1 Scale 2 3 4)" +
+                                  shape + R"(AttributeEnd
         TransformBegin Translate 5 0 0 TransformEnd
         Transform [1 0 0 0  0 1 0 0  0 0 1 0  7 8 9 1] ConcatTransform [2 0 0 0 0 2 0 0 0 0 2 0 0 0 0 1]
-        CoordinateSystem "here" Identity Shape "sphere"
-        CoordSysTransform "here" Shape "sphere" )");
+        CoordinateSystem "here" Identity )" +
+                                  shape + "CoordSysTransform \"here\"" + shape);
     ASSERT_EQ(scene.instances.size(), 3u);
-    const auto at = [&](std::size_t i, vec3 p) {
-        // back from the turn that a sphere's angles need
-        return transform_point(scene.instances[i].transform, vec3(-p.y, p.z, -p.x));
-    };
+    const auto at = [&](std::size_t i, vec3 p) { return transform_point(scene.instances[i].transform, p); };
     expect_near(at(0, vec3(0)), vec3(1, 2, 3), 1e-6f);
     expect_near(at(0, vec3(1, 0, 0)), vec3(1, 4, 3), 1e-5f);
     expect_near(at(0, vec3(0, 1, 0)), vec3(-2, 2, 3), 1e-5f);
@@ -196,11 +195,11 @@ TEST(PbrtIncludes, AreReadInPlaceAndFilesFoundFromTheScene)
     folder.write_folder("sub");
     folder.write("sub/part.pbrt", "Material \"diffuse\" \"rgb reflectance\" [.1 .2 .3] Translate 1 0 0");
     const Scene scene = read_pbrt(folder, "WorldBegin Include \"sub/part.pbrt\" Shape \"sphere\"");
-    ASSERT_EQ(scene.instances.size(), 1u);
-    EXPECT_EQ(scene.instances[0].transform.x.w, 1.0f);
+    ASSERT_EQ(scene.spheres.size(), 1u);
+    EXPECT_EQ(scene.spheres[0].center, vec3(1, 0, 0));
     expect_near(scene.materials[0].base_color, vec3(0.1f, 0.2f, 0.3f), 1e-6f);
     const Scene imported = read_pbrt(folder, "WorldBegin Import \"sub/part.pbrt\" Shape \"sphere\"");
-    EXPECT_EQ(imported.instances[0].transform.x.w, 0.0f);
+    EXPECT_EQ(imported.spheres.at(0).center, vec3(0.0f));
     try {
         read_pbrt(folder, "Identity\nInclude \"nothing.pbrt\"");
         FAIL();
