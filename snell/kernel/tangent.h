@@ -91,8 +91,27 @@ SNELL_FN Frame make_tangent_frame(vec3 n, vec3 tangent)
     return frame;
 }
 
+// The normal m of a bump, turned as little as it takes to make sense for light that goes to `back`: seen from its
+// front, where otherwise the surface would show its inside, and mirroring what lies above the true surface, where
+// otherwise bumps of metal would have black rims. All of them have unit length; n, the normal without bumps, and the
+// geometric normal are on the side of `back`.
+SNELL_FN vec3 visible_normal(vec3 m, vec3 n, vec3 geometric_normal, vec3 back)
+{
+    vec3 facing = m;
+    float cosine = dot(m, back);
+    float least = min(0.01f, dot(n, back)); // as grazing as that it may become
+    if (cosine < least) facing = normalize(m + (least - cosine) * back);
+    vec3 mirrored = (2.0f * dot(facing, back)) * facing - back;
+    float height = dot(mirrored, geometric_normal);
+    float lowest = min(0.01f, 0.5f * dot(back, geometric_normal));
+    if (height >= lowest) return facing;
+    mirrored = normalize(mirrored + (lowest - height) * geometric_normal);
+    vec3 between = mirrored + back;
+    return dot(between, between) > 1e-8f ? normalize(between) : n;
+}
+
 // The normal that a normal map's slot gives, in the world; unit length, on the side of n that `back` (towards where the
-// ray came from) is on: a normal that faced away would show the surface from inside.
+// ray came from) is on.
 SNELL_FN vec3 mapped_normal(SNELL_IN(SceneView) scene, SNELL_IN(SurfacePoint) surface, SNELL_IN(Hit) hit, uint slot,
                             float scale, vec3 back)
 {
@@ -106,12 +125,11 @@ SNELL_FN vec3 mapped_normal(SNELL_IN(SceneView) scene, SNELL_IN(SurfacePoint) su
              max(2.0f * texel.z - 1.0f, 0.0f) * n;
     float l2 = dot(m, m);
     if (!(l2 > 1e-12f)) return n;
-    m = m / sqrt(l2);
     float side = dot(n, back) < 0.0f ? -1.0f : 1.0f;
-    float cosine = side * dot(m, back);
-    float least = min(0.01f, side * dot(n, back)); // as grazing as that it may become
-    if (cosine < least) m = normalize(m + (side * (least - cosine)) * back);
-    return m;
+    return side * visible_normal((side / sqrt(l2)) * m, side * n,
+                                 dot(surface.geometric_normal, back) < 0.0f ? -surface.geometric_normal
+                                                                            : surface.geometric_normal,
+                                 back);
 }
 
 SNELL_END
