@@ -358,6 +358,13 @@ Scene unusual_scene()
     more("flat", material_unlit).base_color = {0.3f, 0.6f, 0.9f};
     materials.back().base_texture = ref(color);
 
+    MaterialDesc& usual = more("textures alone", material_principled); // beside numbers that are as usual
+    usual.principled = all.principled;
+    for (const pbrt::NumberSlot& slot : pbrt::number_slots)
+        usual.principled.*slot.number = PrincipledDesc{}.*slot.number;
+    for (const pbrt::ColorSlot& slot : pbrt::color_slots) usual.principled.*slot.color = PrincipledDesc{}.*slot.color;
+    usual.emission_texture = ref(color);
+
     float x = -3.0f;
     for (const MaterialDesc& m : materials) {
         const Index<MaterialDesc> index = add(scene, m);
@@ -384,7 +391,9 @@ Scene unusual_scene()
     // A group of everything, placed twice, and one that flattens its spheres.
     Group group;
     group.name = "group";
-    group.meshes = {add(scene, make_box("box", vec3(-0.2f), vec3(0.2f), {1}))};
+    Mesh ring = make_torus("ring", 0.3f, 0.1f, 9, 7, {1});
+    for (vec3& n : ring.normals) n *= 1.00001f; // the length is nobody's business
+    group.meshes = {add(scene, make_box("box", vec3(-0.2f), vec3(0.2f), {1})), add(scene, ring)};
     SphereDesc small;
     small.name = "small"; // a textured mirror
     small.center = {0.1f, 0.5f, 0.1f}, small.radius = 0.2f, small.material = {7};
