@@ -46,7 +46,7 @@ void reset_memory_peak()
 
 } // namespace snell::hostile
 
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+#if defined(SNELL_SANITIZED)
 
 #include <sanitizer/allocator_interface.h>
 

@@ -77,7 +77,7 @@ std::size_t memory_bound(const Format& format, std::size_t file_size)
 
 double time_bound(std::size_t file_size)
 {
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+#if defined(SNELL_SANITIZED)
     constexpr double factor = 10;
 #else
     constexpr double factor = 1;

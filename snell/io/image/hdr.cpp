@@ -27,11 +27,9 @@ class HdrReader
     {
         double exposure = read_header();
         read_resolution();
+        check_size(file_, width_, height_, 0, bytes_.size()); // before anything is multiplied
         // Even runs need 8 bytes for each 127 pixels of new run lengths; old ones reach further, but nobody's did.
-        check_size(file_, width_, height_,
-                   static_cast<std::uint64_t>(std::max<std::int64_t>(0, width_) * std::max<std::int64_t>(0, height_)) /
-                       1024,
-                   bytes_.size());
+        check_size(file_, width_, height_, static_cast<std::uint64_t>(width_ * height_) / 1024, bytes_.size());
 
         Raster raster;
         raster.width = static_cast<int>(width_);

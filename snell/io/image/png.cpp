@@ -59,6 +59,8 @@ bool read_header(PngReader& reader)
     if (!reader.info) return false;
     png_set_read_fn(reader.png, &reader, on_read);
     png_set_user_limits(reader.png, max_side, max_side);
+    // Comments and profiles are packed, and not needed.
+    png_set_chunk_malloc_max(reader.png, std::max<std::size_t>(reader.left.size(), 1 << 20));
     png_read_info(reader.png, reader.info);
     return true;
 }
@@ -106,10 +108,26 @@ std::uint8_t quantize(float value, float threshold)
     return static_cast<std::uint8_t>(v * 255.0f + threshold);
 }
 
+// libpng takes memory for a whole chunk before it has its bytes.
+void check_chunks(const fs::path& file, std::string_view bytes)
+{
+    const auto byte_at = [&](std::size_t at) { return std::size_t(static_cast<std::uint8_t>(bytes[at])); };
+    for (std::size_t at = 8; at + 4 <= bytes.size();) {
+        const std::size_t length = byte_at(at) << 24 | byte_at(at + 1) << 16 | byte_at(at + 2) << 8 | byte_at(at + 3);
+        constexpr std::size_t around = 12; // length, name and check sum
+        if (bytes.size() - at < around || length > bytes.size() - at - around)
+            throw Error({file.string()}, fmt::format("the PNG file is cut off in the chunk at byte {}", at),
+                        "write the file again");
+        if (bytes.substr(at + 4, 4) == "IEND") return;
+        at += around + length;
+    }
+}
+
 } // namespace
 
 Raster decode_png(const fs::path& file, std::string_view bytes)
 {
+    check_chunks(file, bytes);
     PngReader reader(bytes);
     auto fail = [&]() {
         throw Error({file.string()}, fmt::format("not a good PNG file: {}", reader.message), "write the file again");

@@ -1,4 +1,4 @@
-// JPEG, TGA and BMP through stb_image. It takes the bytes that a cut-off file lacks for zeros, so each file is measured
+// TGA and BMP through stb_image. It takes the bytes that a cut-off file lacks for zeros, so each file is measured
 // first, by walking over its structure.
 #include "snell/core/error.h"
 #include "snell/io/image/codec.h"
@@ -10,7 +10,6 @@
 
 #define STB_IMAGE_IMPLEMENTATION
 #define STB_IMAGE_STATIC
-#define STBI_ONLY_JPEG
 #define STBI_ONLY_TGA
 #define STBI_ONLY_BMP
 #define STBI_NO_STDIO
@@ -63,59 +62,6 @@ Raster decode(const fs::path& file, std::string_view bytes, const char* kind)
     return raster;
 }
 
-// Of a segment of Huffman tables. stb_image writes past its own array for a table of more than 256 codes.
-void check_huffman_tables(const fs::path& file, std::string_view tables)
-{
-    while (!tables.empty()) {
-        std::size_t codes = 0;
-        for (std::size_t i = 1; i < 17 && i < tables.size(); ++i) codes += byte_at(tables, i);
-        if (codes > 256 || tables.size() < 17 + codes) fail(file, "the JPEG file has a broken Huffman table");
-        tables.remove_prefix(17 + codes);
-    }
-}
-
-// Walks the segments of a JPEG up to the mark of its end, and checks its size on the way.
-void check_jpeg(const fs::path& file, std::string_view bytes)
-{
-    constexpr int most_scans = 256; // a progressive file has about ten; each takes time in proportion to the picture
-    int scans = 0;
-    bool has_size = false;
-    std::size_t at = 2;
-    auto cut_off = [&]() { fail(file, "the JPEG picture is cut off"); };
-    for (;;) {
-        // The next mark: FF and neither a stuffed 0, nor a restart, nor another FF. Before the first scan, whatever
-        // stands between segments is passed over too, as stb_image does.
-        while (at + 1 < bytes.size()) {
-            std::uint32_t mark = byte_at(bytes, at + 1);
-            if (byte_at(bytes, at) == 0xff && mark != 0x00 && mark != 0xff && (mark < 0xd0 || mark > 0xd7)) break;
-            ++at;
-        }
-        if (at + 1 >= bytes.size()) cut_off();
-        std::uint32_t mark = byte_at(bytes, at + 1);
-        at += 2;
-        if (mark == 0xd9) break;                    // the end
-        if (mark == 0x01 || mark == 0xd8) continue; // marks without a segment
-        if (at + 2 > bytes.size()) cut_off();
-        std::size_t length = byte_at(bytes, at) << 8 | byte_at(bytes, at + 1);
-        if (length < 2) fail(file, "the JPEG file has a broken segment");
-        if (length > bytes.size() - at) cut_off();
-        if (mark == 0xc4) check_huffman_tables(file, bytes.substr(at + 2, length - 2));
-        bool is_frame = mark >= 0xc0 && mark <= 0xcf && mark != 0xc4 && mark != 0xc8 && mark != 0xcc;
-        if (is_frame && length >= 8) {
-            std::int64_t height = byte_at(bytes, at + 3) << 8 | byte_at(bytes, at + 4);
-            std::int64_t width = byte_at(bytes, at + 5) << 8 | byte_at(bytes, at + 6);
-            // At the very least a bit for each block of 64, in one component.
-            check_size(file, width, height, static_cast<std::uint64_t>(width * height) / 1024, bytes.size());
-            has_size = true;
-        }
-        if (mark == 0xda && ++scans > most_scans)
-            throw Error({file.string()}, fmt::format("a JPEG picture of more than {} scans", most_scans),
-                        "save it with fewer");
-        at += length;
-    }
-    if (!has_size || scans == 0) fail(file, "the JPEG file has no picture");
-}
-
 // Size in bytes of a TGA's texels from `at` on, run by run.
 void check_tga_runs(const fs::path& file, std::string_view bytes, std::size_t at, std::uint64_t texels,
                     std::size_t texel_bytes)
@@ -163,12 +109,6 @@ void check_bmp(const fs::path& file, std::string_view bytes)
 }
 
 } // namespace
-
-Raster decode_jpeg(const fs::path& file, std::string_view bytes)
-{
-    check_jpeg(file, bytes);
-    return decode(file, bytes, "JPEG");
-}
 
 Raster decode_tga(const fs::path& file, std::string_view bytes)
 {
