@@ -21,6 +21,37 @@ namespace {
 
 using namespace test;
 
+// A field more than here stops the compiler: teach it to the writer, the reader and the comparisons below.
+[[maybe_unused]] void know_every_field(const MaterialDesc& material, const PrincipledDesc& principled,
+                                       const LightDesc& light, const CameraDesc& camera, const Mesh& mesh,
+                                       const EnvironmentDesc& environment, const TextureRef& texture)
+{
+    {
+        [[maybe_unused]] const auto& [f0, f1, f2, f3, f4, f5, f6, f7, f8, f9, f10, f11, f12, f13, f14, f15, f16, f17,
+                                      f18, f19] = material;
+    }
+    {
+        [[maybe_unused]] const auto& [f0, f1, f2, f3, f4, f5, f6, f7, f8, f9, f10, f11, f12, f13, f14, f15, f16, f17,
+                                      f18, f19, f20, f21, f22, f23, f24, f25, f26, f27, f28, f29, f30, f31, f32, f33,
+                                      f34] = principled;
+    }
+    {
+        [[maybe_unused]] const auto& [f0, f1, f2, f3, f4, f5, f6, f7] = light;
+    }
+    {
+        [[maybe_unused]] const auto& [f0, f1, f2, f3, f4, f5, f6] = camera;
+    }
+    {
+        [[maybe_unused]] const auto& [f0, f1, f2, f3, f4, f5, f6, f7, f8, f9] = mesh;
+    }
+    {
+        [[maybe_unused]] const auto& [f0, f1, f2, f3, f4] = environment;
+    }
+    {
+        [[maybe_unused]] const auto& [f0, f1, f2, f3, f4, f5, f6, f7] = texture;
+    }
+}
+
 // ---- comparing ----
 
 template <class T>
@@ -70,6 +101,7 @@ void expect_same(const Scene& sa, const MaterialDesc& a, const Scene& sb, const 
     EXPECT_EQ(a.base_color, b.base_color) << who;
     EXPECT_EQ(a.emission, b.emission) << who;
     EXPECT_EQ(a.two_sided_emission, b.two_sided_emission) << who;
+    EXPECT_EQ(a.single_sided, b.single_sided) << who;
     EXPECT_EQ(a.alpha, b.alpha) << who;
     EXPECT_EQ(a.specular, b.specular) << who;
     EXPECT_EQ(a.ior, b.ior) << who;
@@ -304,7 +336,7 @@ Scene unusual_scene()
     all.absorption = {0.1f, 0.2f, 0.3f};
     all.emission = {0.5f, 1.0f / 7.0f, 0.25f};
     all.emission_texture = ref(color);
-    all.two_sided_emission = true;
+    all.two_sided_emission = true, all.single_sided = true;
     all.normal_texture = number(data);
     all.normal_texture.channel = 0;
     all.normal_scale = -0.75f;

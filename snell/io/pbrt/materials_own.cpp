@@ -72,6 +72,7 @@ void read_common_parameters(Making& m)
     MaterialDesc& d = m.desc();
     read_slot(m, "emission", true, d.emission, &d.emission_texture);
     d.two_sided_emission = m.parameters.flag("two_sided_emission", false);
+    d.single_sided = m.parameters.flag("single_sided", false);
     if (m.type != "subsurface" && m.type != "kdsubsurface")
         d.name = m.parameters.text("name", d.name); // theirs: a preset
     vec3 unused(1.0f);

@@ -122,6 +122,7 @@ class MaterialText
             color_slot("emission", m_.emission, vec3(0.0f), m_.emission_texture);
             if (m_.two_sided_emission) flag("two_sided_emission", true);
         }
+        if (m_.single_sided) flag("single_sided", true);
         normal_map();
         const MaterialDesc usual;
         const bool has_opacity = m_.coverage != usual.coverage || m_.opacity != usual.opacity ||
