@@ -12,7 +12,7 @@ namespace snell::hostile {
 struct Opened
 {
     std::optional<Error> error;
-    double seconds = 0;
+    double seconds = 0;         // of all processors
     std::size_t peak_bytes = 0; // more than before
 };
 
@@ -24,7 +24,7 @@ Opened open_checked(const Format& format, const Nest& nest, std::string_view byt
 // The most memory that opening a file of this size may take.
 std::size_t memory_bound(const Format& format, std::size_t file_size);
 
-// The most time, generously: the machine may be busy.
+// The most time, in seconds of all processors.
 double time_bound(std::size_t file_size);
 
 } // namespace snell::hostile
