@@ -330,10 +330,13 @@ TEST(Light, ChoiceFollowsThePowers)
 TEST(Light, EnvironmentIsUniform)
 {
     Draw draw(595);
+    SceneView view = {};
+    view.environment.radiance = vec3(2.0f);
+    view.environment.texture = none;
     expect_density(
         DirectionBins(normalize(vec3(1.0f, 1.0f, 0.2f)), 16, 24), [](vec3) { return double{pdf_uniform_sphere()}; },
         [&] {
-            const LightSample s = sample_environment(vec3(2.0f), draw.next2());
+            const LightSample s = sample_environment(view, draw.next2());
             EXPECT_EQ(s.is_infinite, 1u);
             EXPECT_EQ(s.pdf, pdf_uniform_sphere());
             return s.direction;
