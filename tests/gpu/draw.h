@@ -61,7 +61,7 @@ SNELL_FN_COLD SceneView draw_environment(SNELL_IN(SceneView) scene)
     return s;
 }
 
-// alpha: 0 for the smooth variants.
+// alpha: 0 for the smooth variants. Of material_principled without a resolved point: see draw_resolved_point.
 SNELL_FN_COLD MaterialPoint draw_material_point(uint kind, float alpha)
 {
     MaterialPoint m;
@@ -72,6 +72,7 @@ SNELL_FN_COLD MaterialPoint draw_material_point(uint kind, float alpha)
     m.k = 6.0f * color();
     m.ior = range(0.5f, 3.0f);
     if (kind == material_conductor) m.specular = 3.0f * m.specular + vec3(0.05f);
+    m.principled = plain_principled_point(alpha);
     return m;
 }
 

@@ -58,10 +58,45 @@ SNELL_FN_COLD vec3 draw_outgoing()
     return w;
 }
 
+// A material of any kind, resolved for wo.
+SNELL_FN_COLD MaterialPoint draw_resolved_point(SNELL_IN(SceneView) scene, uint kind, float alpha, vec3 wo)
+{
+    MaterialPoint m = draw_material_point(kind, alpha);
+    if (kind == material_principled && wo.z != 0.0f)
+        m.principled = resolve_principled(scene.albedo, draw_principled_point(), wo);
+    return m;
+}
+
 SNELL_FN_COLD void give_principled_value(PrincipledValue v)
 {
     give(v.f);
     give(v.pdf);
+}
+
+// The parameters, as looked up.
+SNELL_FN_COLD void give_principled_parameters(SNELL_IN(PrincipledPoint) p)
+{
+    give(p.base_color);
+    give(p.metallic);
+    give(p.alpha);
+    give(p.anisotropy);
+    give(p.anisotropy_direction);
+    give(p.ior);
+    give(p.specular);
+    give(p.specular_color);
+    give(p.clearcoat);
+    give(p.clearcoat_alpha);
+    give(p.clearcoat_normal);
+    give(p.sheen_color);
+    give(p.sheen_alpha);
+    give(p.transmission);
+    give(p.thin_walled);
+    give(p.glass_table);
+    give(p.iridescence);
+    give(p.iridescence_ior);
+    give(p.iridescence_thickness);
+    give(p.diffuse_transmission);
+    give(p.diffuse_transmission_color);
 }
 
 // What resolve_principled fills.

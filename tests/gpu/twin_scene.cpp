@@ -1,5 +1,6 @@
 #include "tests/gpu/twin_scene.h"
 
+#include "snell/kernel/albedo.h"
 #include "snell/kernel/ray.h"
 #include "snell/scene/albedo_tables.h"
 
@@ -60,12 +61,11 @@ Instance make_instance(Draw& draw, uint number)
     return instance;
 }
 
-// Each kind but material_principled, which has a scene of numbers of its own.
 Material make_material(Draw& draw, uint number)
 {
     const auto slot = [&] { return draw.coin() ? draw.below(scene_slots) : none; };
     Material m{};
-    m.kind = number % 6;
+    m.kind = number % 4 == 3 ? material_principled : (number - number / 4) % material_principled;
     m.base_color = draw.box(0.0f, 1.0f);
     m.emission = number % 3 == 0 ? draw.box(0.0f, 8.0f) : vec3(0.0f);
     m.alpha = draw.coin() ? 0.0f : draw.range(0.02f, 1.0f);
@@ -74,7 +74,7 @@ Material make_material(Draw& draw, uint number)
     m.absorption = m.kind == material_conductor ? draw.box(0.5f, 6.0f)
                    : draw.coin()                ? draw.box(0.0f, 1.5f)
                                                 : vec3(0.0f);
-    m.flags = draw.below(4);
+    m.flags = draw.below(4) | (draw.below(4) == 0 ? material_single_sided : 0u);
     m.base_slot = slot();
     m.emission_slot = slot();
     m.normal_slot = slot();
@@ -85,7 +85,49 @@ Material make_material(Draw& draw, uint number)
     m.cutoff = draw.range(0.1f, 0.6f);
     m.opacity_slot = slot();
     m.principled = none;
+    if (m.kind == material_principled) {
+        m.principled = number / 4;
+        m.ior = draw.range(1.1f, 2.4f);
+        m.flags |= draw.coin() ? material_needs_tangents : 0u;
+    }
     return m;
+}
+
+// Layers come and go with the bits of the number, so that each is met alone and with others.
+Principled make_principled(Draw& draw, uint number)
+{
+    const auto slot = [&] { return draw.below(4) == 0 ? draw.below(scene_slots) : none; };
+    const auto share = [&](uint bit) { return number >> bit & 1u ? draw.range(0.2f, 1.0f) : 0.0f; };
+    Principled p{};
+    p.metallic = draw.below(3) == 0 ? draw.range(0.0f, 1.0f) : 0.0f;
+    p.roughness = number % 4 == 2 ? 0.0f : draw.range(0.2f, 1.0f);
+    p.specular = draw.coin() ? 1.0f : draw.range(0.0f, 1.0f);
+    p.specular_color = draw.box(0.0f, 1.0f);
+    p.transmission = share(0);
+    p.thin_walled = number >> 1 & 1u;
+    p.glass_table = draw.coin() ? albedo_length : none;
+    p.dispersion = p.thin_walled == 0u ? draw.range(0.0f, 3.0f) : 0.0f;
+    p.clearcoat = share(2);
+    p.clearcoat_roughness = draw.coin() ? 0.0f : draw.range(0.1f, 1.0f);
+    p.clearcoat_normal_scale = draw.range(-2.0f, 2.0f);
+    p.sheen_color = draw.coin() ? draw.box(0.0f, 1.0f) : vec3(0.0f);
+    p.sheen_roughness = draw.range(0.1f, 1.0f);
+    p.anisotropy = number % 3 == 0 ? draw.range(0.2f, 1.0f) : 0.0f;
+    p.anisotropy_rotation = draw.range(-3.0f, 3.0f);
+    p.iridescence = draw.below(3) == 0 ? draw.range(0.0f, 1.0f) : 0.0f;
+    p.iridescence_ior = draw.range(1.0f, 2.0f);
+    p.iridescence_thickness_min = draw.range(0.0f, 400.0f);
+    p.iridescence_thickness_max = draw.range(100.0f, 800.0f);
+    p.diffuse_transmission = draw.coin() ? draw.range(0.0f, 1.0f) : 0.0f;
+    p.diffuse_transmission_color = draw.box(0.0f, 1.0f);
+    for (uint* place : {&p.metallic_slot, &p.roughness_slot, &p.specular_slot, &p.specular_color_slot,
+                        &p.clearcoat_slot, &p.clearcoat_roughness_slot, &p.sheen_color_slot, &p.sheen_roughness_slot,
+                        &p.transmission_slot, &p.iridescence_slot, &p.iridescence_thickness_slot,
+                        &p.diffuse_transmission_slot, &p.diffuse_transmission_color_slot})
+        *place = slot();
+    p.clearcoat_normal_slot = number % 3 == 0 ? none : draw.below(scene_slots);
+    p.anisotropy_slot = draw.coin() ? draw.below(scene_slots) : none;
+    return p;
 }
 
 TextureSlot make_slot(Draw& draw)
@@ -164,9 +206,11 @@ SceneWords random_scene()
     std::vector<Triangle> triangles;
     std::vector<Surface> surfaces;
     const uint per_surface = scene_triangles / scene_surfaces;
+    uint primitives = 0;
+    const auto next_material = [&] { return 5 * primitives++ % scene_materials; }; // of four in a row one is principled
     for (uint k = 0; k < scene_surfaces; ++k) { // each a mesh of its own; which attributes it has are the bits of k
         Surface s{};
-        s.material = draw.below(scene_materials);
+        s.material = next_material();
         s.object = k;
         s.first_vertex = static_cast<uint>(positions.size());
         s.normal_base = k & 1u ? static_cast<uint>(normals.size()) : none;
@@ -201,12 +245,12 @@ SceneWords random_scene()
 
     std::vector<Sphere> spheres;
     for (uint i = 0; i < scene_spheres; ++i)
-        spheres.push_back({draw.box(-1.0f, 1.0f), draw.range(0.05f, 0.8f), draw.below(scene_materials), 200 + i,
-                           i % 2 ? 14u + i % 2 : none, 0});
+        spheres.push_back(
+            {draw.box(-1.0f, 1.0f), draw.range(0.05f, 0.8f), next_material(), 200 + i, i % 2 ? 14u + i % 2 : none, 0});
     scene.set(&SceneView::spheres, spheres);
     std::vector<Plane> planes;
     for (uint i = 0; i < scene_planes; ++i)
-        planes.push_back({draw.direction(), draw.range(-1.0f, 1.0f), draw.below(scene_materials), 300 + i, 0, 0});
+        planes.push_back({draw.direction(), draw.range(-1.0f, 1.0f), next_material(), 300 + i, 0, 0});
     scene.set(&SceneView::planes, planes);
     std::vector<Instance> instances;
     for (uint i = 0; i < scene_instances; ++i) instances.push_back(make_instance(draw, i));
@@ -214,6 +258,9 @@ SceneWords random_scene()
     std::vector<Material> materials;
     for (uint i = 0; i < scene_materials; ++i) materials.push_back(make_material(draw, i));
     scene.set(&SceneView::materials, materials);
+    std::vector<Principled> principled;
+    for (uint i = 0; i < scene_principled; ++i) principled.push_back(make_principled(draw, i));
+    scene.set(&SceneView::principled, principled);
     std::vector<TextureSlot> slots;
     for (uint i = 0; i < scene_slots; ++i) slots.push_back(make_slot(draw));
     scene.set(&SceneView::slots, slots);
@@ -249,7 +296,7 @@ SceneWords random_scene()
     scene.tail.light_count = scene_lights;
     scene.tail.delta_light_count = 6;
     scene.tail.plane_count = scene_planes;
-    scene.tail.coverage = scene_has_holes;
+    scene.tail.coverage = scene_has_holes | scene_has_single_sided;
     Environment& e = scene.tail.environment;
     e.radiance = vec3(0.25f, 0.5f, 0.75f);
     e.texture = 2;

@@ -85,7 +85,8 @@ GpuBuffer::~GpuBuffer()
     vkFreeMemory(device, memory, nullptr);
 }
 
-GpuKernel::GpuKernel(VkDevice device_, const std::vector<std::uint32_t>& spirv, std::size_t push_bytes_)
+GpuKernel::GpuKernel(VkDevice device_, const std::vector<std::uint32_t>& spirv, std::size_t push_bytes_,
+                     std::uint32_t constant)
     : push_bytes(push_bytes_), device(device_)
 {
     VkShaderModuleCreateInfo code{};
@@ -107,6 +108,9 @@ GpuKernel::GpuKernel(VkDevice device_, const std::vector<std::uint32_t>& spirv, 
     info.stage.stage = VK_SHADER_STAGE_COMPUTE_BIT;
     info.stage.module = module;
     info.stage.pName = "main";
+    const VkSpecializationMapEntry entry{0, 0, sizeof(constant)};
+    const VkSpecializationInfo constants{1, &entry, sizeof(constant), &constant};
+    info.stage.pSpecializationInfo = &constants;
     info.layout = layout;
     require(vkCreateComputePipelines(device, VK_NULL_HANDLE, 1, &info, nullptr, &pipeline), "vkCreateComputePipelines");
 }
@@ -229,9 +233,10 @@ std::unique_ptr<GpuBuffer> Gpu::make_buffer(std::size_t bytes) const
     return std::make_unique<GpuBuffer>(device, memory_types, bytes);
 }
 
-std::unique_ptr<GpuKernel> Gpu::make_kernel(const std::vector<std::uint32_t>& spirv, std::size_t push_bytes) const
+std::unique_ptr<GpuKernel> Gpu::make_kernel(const std::vector<std::uint32_t>& spirv, std::size_t push_bytes,
+                                            std::uint32_t constant) const
 {
-    return std::make_unique<GpuKernel>(device, spirv, push_bytes);
+    return std::make_unique<GpuKernel>(device, spirv, push_bytes, constant);
 }
 
 std::vector<std::uint32_t> read_spirv(const std::string& path)

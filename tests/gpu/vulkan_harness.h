@@ -34,7 +34,8 @@ class GpuBuffer
 class GpuKernel
 {
   public:
-    GpuKernel(VkDevice device, const std::vector<std::uint32_t>& spirv, std::size_t push_bytes);
+    // constant: of the shader's specialization constant 0.
+    GpuKernel(VkDevice device, const std::vector<std::uint32_t>& spirv, std::size_t push_bytes, std::uint32_t constant);
     ~GpuKernel();
     GpuKernel(const GpuKernel&) = delete;
     GpuKernel& operator=(const GpuKernel&) = delete;
@@ -64,7 +65,8 @@ class Gpu
 
     std::string name() const { return device_name; }
     std::unique_ptr<GpuBuffer> make_buffer(std::size_t bytes) const;
-    std::unique_ptr<GpuKernel> make_kernel(const std::vector<std::uint32_t>& spirv, std::size_t push_bytes) const;
+    std::unique_ptr<GpuKernel> make_kernel(const std::vector<std::uint32_t>& spirv, std::size_t push_bytes,
+                                           std::uint32_t constant) const;
     // Runs the kernel on that many work groups and waits until the host sees what it wrote. push points to push_bytes.
     void run(const GpuKernel& kernel, const void* push, std::uint32_t groups) const;
 

@@ -1,6 +1,6 @@
 // Scattering: each material by itself, then through the dispatching functions.
 #ifndef TWIN_CASES
-#include "tests/gpu/draw.h"
+#include "tests/gpu/draw_principled.h"
 #else
 
 TWIN(no_bsdf_sample, 0.0f, 0.0f, 0.0f)
@@ -79,24 +79,24 @@ TWIN(mix_specular_probability, 1e-6f, 0.0f, 0.0f)
     give(mix_specular_probability(m));
     give(has_smooth_part(m));
 }
-TWIN(eval_bsdf, 1e-3f, 1e-4f, 0.002f) // as the parts
+TWIN_BUILTIN(eval_bsdf, 1e-3f, 1e-4f, 0.002f) // as the parts
 {
-    uint kind = index_below(5u);
+    uint kind = index_below(material_kinds);
     float alpha = magnitude(1e-2f, 1.0f);
     uint smooth_one = index_below(4u);
-    MaterialPoint m = draw_material_point(kind, smooth_one == 0u ? 0.0f : alpha);
     vec3 wo = direction();
+    MaterialPoint m = draw_resolved_point(scene, kind, smooth_one == 0u ? 0.0f : alpha, wo);
     vec3 wi = direction();
     give(eval_bsdf(m, wo, wi));
     give(pdf_bsdf(m, wo, wi));
 }
-TWIN(sample_bsdf, 1e-3f, 1e-3f, 0.005f) // as the parts
+TWIN_BUILTIN(sample_bsdf, 1e-3f, 1e-3f, 0.005f) // as the parts
 {
-    uint kind = index_below(5u);
+    uint kind = index_below(material_kinds);
     float alpha = magnitude(1e-2f, 1.0f);
     uint smooth_one = index_below(4u);
-    MaterialPoint m = draw_material_point(kind, smooth_one == 0u ? 0.0f : alpha);
     vec3 wo = direction();
+    MaterialPoint m = draw_resolved_point(scene, kind, smooth_one == 0u ? 0.0f : alpha, wo);
     vec2 u = unit2();
     float u_lobe = unit();
     give_bsdf_sample(sample_bsdf(m, wo, u, u_lobe));

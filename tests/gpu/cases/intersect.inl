@@ -124,6 +124,7 @@ TWIN(is_better_hit, 0.0f, 0.0f, 0.0f)
     uint instance = index_below(3u);
     if (instance == 0u) instance = none;
     give(is_better_hit(t, primitive, instance, found));
+    give(is_later_hit(t, primitive, instance, found));
 }
 
 #endif

@@ -31,6 +31,16 @@ TWIN(make_tangent_frame, 1e-3f, 1e-3f, 0.001f) // a tangent next to the normal
     give(frame.t);
     give(frame.n);
 }
+TWIN(visible_normal, 1e-3f, 1e-3f, 0.003f) // next to where it starts to turn; mirrored into the opposite direction
+{
+    vec3 m = direction();
+    vec3 n = direction();
+    vec3 geometric_normal = direction();
+    vec3 back = direction();
+    if (dot(n, back) < 0.0f) n = -n;
+    if (dot(geometric_normal, back) < 0.0f) geometric_normal = -geometric_normal;
+    give(visible_normal(m, n, geometric_normal, back));
+}
 TWIN_BUILTIN(mapped_normal, 1e-3f, 1e-3f, 0.003f) // the normals switch sides
 {
     Ray ray = draw_ray();

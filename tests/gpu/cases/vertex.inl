@@ -1,7 +1,7 @@
 // A hit, ready for scattering.
 #ifndef TWIN_CASES
 #include "snell/kernel/path_state.h"
-#include "tests/gpu/draw.h"
+#include "tests/gpu/draw_principled.h"
 #else
 
 TWIN_BUILTIN(make_vertex, 1e-3f, 1e-3f, 0.005f) // the normals switch sides; the nearest texel changes
@@ -13,6 +13,7 @@ TWIN_BUILTIN(make_vertex, 1e-3f, 1e-3f, 0.005f) // the normals switch sides; the
     Vertex v = make_vertex(scene, ray, hit);
     give_surface_point(v.surface);
     give_material_point(v.material);
+    if (v.material.kind == material_principled) give_resolved(v.material.principled);
     give(v.wo);
     give(v.emission);
     give(vertex_eval(v, w));

@@ -11,8 +11,9 @@ TWIN(heat_color, 1e-6f, 1e-6f, 0.0f)
 }
 TWIN(material_albedo, 1e-4f, 1e-5f, 0.0f)
 {
-    uint kind = index_below(5u);
+    uint kind = index_below(material_kinds);
     MaterialPoint m = draw_material_point(kind, 0.5f);
+    m.principled.albedo = color();
     give(material_albedo(m));
 }
 TWIN_BUILTIN(view_value, 1e-3f, 1e-3f, 0.001f) // fract of a texture coordinate jumps

@@ -1,12 +1,26 @@
 // The shade stage of Whitted's renderer.
 #ifndef TWIN_CASES
 #include "snell/kernel/whitted.h"
-#include "tests/gpu/draw.h"
+#include "tests/gpu/draw_principled.h"
 #else
 
 TWIN(is_worth_following, 0.0f, 0.0f, 1e-4f) // products at the cut-off
 {
     give(is_worth_following(draw_state()) ? 1u : 0u);
+}
+TWIN(without_diffuse, 1e-6f, 0.0f, 0.0f)
+{
+    PrincipledPoint p = plain_principled_point(0.5f);
+    p.diffuse = color();
+    p.diffuse_through = color();
+    p.sheen = color();
+    p.p_coat = unit();
+    p.p_sheen = unit();
+    p.p_facets = unit();
+    p.p_straight = unit();
+    p.p_diffuse = unit();
+    p.p_through = unit();
+    give_resolved(without_diffuse(p));
 }
 TWIN_BUILTIN(shade_whitted, 1e-3f, 1e-3f, 0.005f) // all branches of all materials
 {
