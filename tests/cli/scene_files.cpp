@@ -43,13 +43,17 @@ static std::string lamp(const std::string& buffer, const std::string& more, cons
 {
     const std::string uri =
         buffer.empty() ? "data:application/octet-stream;base64," + base64(moving_lamp_data()) : buffer;
+    // Brighter than 1: else it would be a label that glows, and the studio would come.
     return R"({"asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": [0, 1]}],
+"extensionsUsed": ["KHR_materials_emissive_strength", "KHR_materials_variants"],
 "nodes": [{"mesh": 0, "translation": [-1, 0, 0]}, {"camera": 0, "translation": [0, 0, 4]}],
 "cameras": [{"name": "front", "type": "perspective", "perspective": {"yfov": 0.9, "znear": 0.1}}],
 "meshes": [{"primitives": [{"attributes": {"POSITION": 0}, "material": 0)" +
            extension + R"(}]}],
-"materials": [{"name": "r", "emissiveFactor": [1, 0, 0], "pbrMetallicRoughness": {"baseColorFactor": [0, 0, 0, 1]}},
-{"name": "g", "emissiveFactor": [0, 1, 0], "pbrMetallicRoughness": {"baseColorFactor": [0, 0, 0, 1]}}],
+"materials": [{"name": "r", "emissiveFactor": [1, 0, 0],
+"extensions": {"KHR_materials_emissive_strength": {"emissiveStrength": 2}}, "pbrMetallicRoughness": {"baseColorFactor": [0, 0, 0, 1]}},
+{"name": "g", "emissiveFactor": [0, 1, 0],
+"extensions": {"KHR_materials_emissive_strength": {"emissiveStrength": 2}}, "pbrMetallicRoughness": {"baseColorFactor": [0, 0, 0, 1]}}],
 "buffers": [{"byteLength": 152, "uri": ")" +
            uri + R"("}],
 "bufferViews": [{"buffer": 0, "byteLength": 72}, {"buffer": 0, "byteOffset": 72, "byteLength": 8},
@@ -84,7 +88,6 @@ std::string still_lamp()
 std::string coloured_lamp()
 {
     return lamp("", R"(,
-"extensionsUsed": ["KHR_materials_variants"],
 "extensions": {"KHR_materials_variants": {"variants": [{"name": "red"}, {"name": "green"}]}})",
                 R"(, "extensions": {"KHR_materials_variants": {"mappings": [{"material": 0, "variants": [0]},
 {"material": 1, "variants": [1]}]}})");
