@@ -346,6 +346,20 @@ TEST(PbrtObjects, AreSharedAndPlacedByBothTransforms)
     validate(copy);
 }
 
+TEST(PbrtObjects, InstancesHaveNamesOfTheirOwn)
+{
+    const Scene scene = read_pbrt(R"(WorldBegin ObjectBegin "o" Shape "sphere" ObjectEnd ObjectInstance "o"
+        AttributeBegin Attribute "shape" "string instance" "left" "string name" "ball" ObjectInstance "o" Shape "sphere"
+        AttributeEnd Shape "sphere")");
+    ASSERT_EQ(scene.instances.size(), 4u);
+    EXPECT_EQ(scene.instances[0].name, "o");
+    EXPECT_EQ(scene.instances[1].name, "left");
+    EXPECT_EQ(scene.instances[2].name, "left");
+    EXPECT_EQ(scene.spheres[1].name, "ball");
+    EXPECT_NE(scene.spheres[2].name, "ball");
+    EXPECT_EQ(scene.notes.size(), 0u) << all_notes(scene);
+}
+
 TEST(PbrtPly, FilesAreSharedAndMissingOnesSaid)
 {
     const Folder folder;

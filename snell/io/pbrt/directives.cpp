@@ -330,11 +330,10 @@ void Reader::place_object(const std::string& name, const Spot& spot)
         return;
     }
     InstanceDesc instance;
-    instance.name = name;
-    // ours: as a shape's
-    if (const auto given = loader_.state.defaults.find("shape"); given != loader_.state.defaults.end())
-        for (const Parameter& parameter : *given->second)
-            if (parameter.name == "instance" && !parameter.strings.empty()) instance.name = parameter.strings[0];
+    ParameterList given; // ours: the name, as a shape's
+    const auto defaults = loader_.state.defaults.find("shape");
+    if (defaults != loader_.state.defaults.end()) given.append_missing(*defaults->second);
+    instance.name = given.text("instance", name);
     instance.group = group;
     instance.transform = to_transform(loader_.ctm());
     add(loader_.scene, instance);
@@ -472,8 +471,7 @@ bool Reader::state_directive(const Token& token, Tokenizer& tokens)
 void Reader::unknown(const Token& token, Tokenizer& tokens)
 {
     // A file in which even the first word says nothing is of another format.
-    const bool is_word = !token.text.empty() && std::isalpha(static_cast<unsigned char>(token.text.front())) != 0;
-    if (!is_word)
+    if (token.text.empty() || std::isalpha(static_cast<unsigned char>(token.text.front())) == 0)
         throw Error(token.spot.place(),
                     fmt::format("a directive should be here, but there is {}", show_word(token.text)),
                     "check what is before it");

@@ -87,8 +87,8 @@ struct Writer
     void inform(std::string what) { notes.push_back({Note::Kind::info, std::move(what)}); }
 };
 
-// An image of the scene as a file (once, and when `files` are written), and the name for the scene's file to use. as_light: an environment's, which
-// is read in floats.
+// An image of the scene as a file (once, and when `files` are written), and the name for the scene's file to use.
+// as_light: an environment's, which is read in floats.
 std::string write_picture_file(Writer& writer, Index<Image> image, bool as_light);
 // The name of a texture that is `factor` times what `ref` looks up; the directives that make it are written first.
 std::string write_texture(Writer& writer, const TextureRef& ref, bool is_number, vec3 factor = vec3(1.0f));
