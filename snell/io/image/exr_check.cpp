@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cstring>
 #include <optional>
+#include <utility>
 
 namespace fs = std::filesystem;
 
@@ -87,6 +88,8 @@ class ExrHeaders
             if (name.empty()) return part;
             std::string_view type = text();
             std::string_view value = take(number());
+            check_size_of_type(type, value.size());
+            if (type == "chlist" && (value.empty() || value.back() != '\0')) fail("the EXR channel list has no end");
             if (name == "dataWindow" && type == "box2i") part.data_window = window(value);
             if (name == "displayWindow" && type == "box2i") part.display_window = window(value);
             if (name == "compression" && value.size() == 1) part.compression = static_cast<std::uint8_t>(value[0]);
@@ -96,6 +99,22 @@ class ExrHeaders
                 part.tile_height = number(value, 4);
             }
         }
+    }
+
+    // OpenEXR reads as much as the type needs, whatever size stands before it, and would go on at the wrong place.
+    void check_size_of_type(std::string_view type, std::size_t size) const
+    {
+        static constexpr std::pair<std::string_view, std::size_t> sizes[] = {
+            {"box2i", 16},      {"box2f", 16},  {"chromaticities", 32},
+            {"compression", 1}, {"double", 8},  {"envmap", 1},
+            {"float", 4},       {"int", 4},     {"keycode", 28},
+            {"lineOrder", 1},   {"m33f", 36},   {"m44f", 64},
+            {"m33d", 72},       {"m44d", 128},  {"rational", 8},
+            {"v2i", 8},         {"v2f", 8},     {"v2d", 16},
+            {"v3i", 12},        {"v3f", 12},    {"v3d", 24},
+            {"tiledesc", 9},    {"timecode", 8}};
+        for (const auto& [known, bytes] : sizes)
+            if (type == known && size != bytes) fail("the EXR header has an attribute of the wrong size");
     }
 
     Window window(std::string_view value) const
@@ -111,7 +130,8 @@ class ExrHeaders
 
     void read_channels(std::string_view value, Part& part) const
     {
-        for (std::size_t at = 0; at < value.size() && value[at] != '\0';) {
+        std::size_t at = 0;
+        while (at < value.size() && value[at] != '\0') {
             std::size_t end = value.find('\0', at);
             if (end == std::string_view::npos || value.size() - end < 17) fail("the EXR channel list is cut off");
             std::uint64_t size = number(value, end + 1) == 1 ? 2 : 4; // half, or uint and float
@@ -120,6 +140,7 @@ class ExrHeaders
             part.least_bits += 8 * size / std::min<std::uint64_t>(x_step * y_step, 8 * size);
             at = end + 17;
         }
+        if (at + 1 != value.size()) fail("the EXR channel list ends at the wrong place");
     }
 
     void check_part(const Part& part) const
