@@ -36,7 +36,8 @@ TEST(Load, ErrorsSayWhatToDo)
 {
     const Folder folder;
     const auto file = folder.write("a.blend", "BLENDER");
-    EXPECT_NE(load_error(file).find("'.blend' cannot be read; give a file that ends in .obj, .ply or .stl"),
+    EXPECT_NE(load_error(file).find(
+                  "'.blend' cannot be read; give a file that ends in .gltf, .glb, .pbrt, .obj, .ply or .stl"),
               std::string::npos);
     EXPECT_NE(load_error(file.parent_path()).find("is a folder"), std::string::npos);
     for (const char* missing : {"none.obj", "none.ply", "none.stl", "none.xyz", "none"})

@@ -382,9 +382,9 @@ void Reader::attribute(const std::string& target, const ParameterList& parameter
                      fmt::format("there are no attributes of {}; they are ignored", show_word(target)));
         return;
     }
-    Defaults& defaults = loader_.state.defaults[target];
     auto all = std::make_shared<std::vector<Parameter>>();
-    if (defaults) *all = *defaults;
+    if (const auto before = loader_.state.defaults.find(target); before != loader_.state.defaults.end())
+        *all = *before->second;
     for (const Parameter& parameter : parameters.all()) {
         std::erase_if(*all, [&](const Parameter& old) { return old.name == parameter.name; });
         if (all->size() >= most_defaults || parameter.numbers.size() + parameter.integers.size() > most_defaults)
@@ -392,7 +392,7 @@ void Reader::attribute(const std::string& target, const ParameterList& parameter
                         "give shapes and materials their parameters where they are made");
         all->push_back(parameter);
     }
-    defaults = std::move(all);
+    loader_.state.defaults[target] = std::move(all);
 }
 
 uint Reader::medium(const std::string& name, const Spot& spot)
