@@ -10,4 +10,8 @@ namespace snell {
 // (without it, lavapipe turns (a + b) - a into b).
 std::vector<std::uint32_t> with_no_contraction(const std::vector<std::uint32_t>& module);
 
+// The same with every loop marked to be left as it is: unrolled texture filters double the time that lavapipe takes to
+// compile a vertex.
+std::vector<std::uint32_t> without_unrolling(const std::vector<std::uint32_t>& module);
+
 } // namespace snell

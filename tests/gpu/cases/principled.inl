@@ -3,7 +3,7 @@
 #include "tests/gpu/draw_principled.h"
 #else
 
-TWIN(principled_parts, 1e-5f, 1e-6f, 0.0f)
+TWIN(principled_basics, 1e-5f, 1e-6f, 0.0f)
 {
     float ior = range(0.0f, 3.0f);
     float x = unit();
