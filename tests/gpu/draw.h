@@ -76,6 +76,18 @@ SNELL_FN_COLD MaterialPoint draw_material_point(uint kind, float alpha)
     return m;
 }
 
+// What moving on from a vertex reads of it, but for the material.
+SNELL_FN_COLD Vertex draw_vertex()
+{
+    Vertex v;
+    v.surface.position = point(4.0f);
+    v.surface.geometric_normal = direction();
+    v.surface.material = index_below(scene_materials);
+    v.frame = make_frame(direction());
+    v.wo = direction();
+    return v;
+}
+
 SNELL_FN_COLD RenderParams draw_params()
 {
     vec3 eye = point(5.0f);

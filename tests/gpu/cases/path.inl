@@ -2,19 +2,6 @@
 #ifndef TWIN_CASES
 #include "snell/kernel/path.h"
 #include "tests/gpu/draw.h"
-SNELL_BEGIN
-// What moving on from a vertex reads of it.
-SNELL_FN_COLD Vertex draw_vertex()
-{
-    Vertex v;
-    v.surface.position = point(4.0f);
-    v.surface.geometric_normal = direction();
-    v.surface.material = index_below(scene_materials);
-    v.frame = make_frame(direction());
-    v.wo = direction();
-    return v;
-}
-SNELL_END
 #else
 
 TWIN(state_key, 0.0f, 0.0f, 0.0f)

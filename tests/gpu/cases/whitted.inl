@@ -45,10 +45,11 @@ TWIN_BUILTIN(whitted_connection, 1e-3f, 1e-3f, 0.002f) // see sample_light
     RenderParams params = draw_params();
     WhittedStep step;
     step.state = draw_state();
-    Ray ray = draw_ray();
-    Hit hit = draw_hit();
     uint task = index_below(8u);
-    step.vertex = make_vertex(scene, ray, hit);
+    uint kind = index_below(material_kinds);
+    float alpha = magnitude(1e-2f, 1.0f);
+    step.vertex = draw_vertex(); // not make_vertex, whose textures take long to compile
+    step.vertex.material = draw_resolved_point(scene, kind, alpha, step.vertex.wo);
     Connection c = whitted_connection(scene, params, step, task);
     give(c.value);
     give(c.slot);
