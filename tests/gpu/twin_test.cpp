@@ -59,6 +59,7 @@ Machine& machine()
     if (!the_machine) the_machine = std::make_unique<Machine>();
     Machine& m = *the_machine;
     if (m.gpu || !m.trouble.empty()) return m;
+    setenv("GALLIVM_PERF", "nopt", 0); // lavapipe spends nearly all of its time on compiling: a sixth less of it
     const char* wish = std::getenv("SNELL_TEST_GPU");
     try {
         m.gpu = std::make_unique<Gpu>(wish && *wish ? wish : "llvmpipe", m.messages);
