@@ -2,9 +2,9 @@
 //
 //     load [FOLDER] [--threads N] [--triangles N] [--obj-megabytes N]
 //
-// Makes a wavy square of 1 million triangles as binary PLY, ASCII PLY, binary STL, and as OBJ (with normals and texture
-// coordinates, 100 MB) in the folder (a temporary one by default), unless they are there already. For each it prints,
-// as the median of 5 rounds that go through all files:
+// Makes a wavy square of 1 million triangles as binary PLY, ASCII PLY, binary STL, GLB (with normals and texture
+// coordinates), and as OBJ (with them too, 100 MB) in the folder (a temporary one by default), unless they are there
+// already. For each it prints, as the median of 5 rounds that go through all files:
 //
 //     MB/s a core   bytes of the file over the processor time of load_scene()
 //     ratio         time of load_scene(), validation included, over that of reading the bytes into memory and building
@@ -132,6 +132,43 @@ std::string stl_bytes(const Mesh& mesh)
     return bytes;
 }
 
+std::string glb_bytes(const Mesh& mesh)
+{
+    const std::size_t n = mesh.positions.size(), corners = 3 * mesh.triangles.size();
+    const std::size_t views[4] = {12 * n, 12 * n, 8 * n, 4 * corners};
+    std::string json = fmt::format(
+        R"({{"asset":{{"version":"2.0"}},"scenes":[{{"nodes":[0]}}],"nodes":[{{"mesh":0}}],"meshes":[{{"primitives":[{{)"
+        R"("attributes":{{"POSITION":0,"NORMAL":1,"TEXCOORD_0":2}},"indices":3}}]}}],"buffers":[{{"byteLength":{}}}],)"
+        R"("accessors":[{{"bufferView":0,"componentType":5126,"count":{},"type":"VEC3","min":[0,0,-1],"max":[1,1,1]}},)"
+        R"({{"bufferView":1,"componentType":5126,"count":{},"type":"VEC3"}},)"
+        R"({{"bufferView":2,"componentType":5126,"count":{},"type":"VEC2"}},)"
+        R"({{"bufferView":3,"componentType":5125,"count":{},"type":"SCALAR"}}],"bufferViews":[)",
+        views[0] + views[1] + views[2] + views[3], n, n, n, corners);
+    std::size_t offset = 0;
+    for (int i = 0; i < 4; ++i) {
+        json += fmt::format(R"({}{{"buffer":0,"byteOffset":{},"byteLength":{}}})", i > 0 ? "," : "", offset, views[i]);
+        offset += views[i];
+    }
+    json += "]}";
+    json.resize((json.size() + 3) / 4 * 4, ' ');
+    std::string bytes = "glTF";
+    const auto word = [&](std::size_t value) {
+        const auto w = static_cast<std::uint32_t>(value);
+        append(bytes, &w, 4);
+    };
+    word(2);
+    word(12 + 8 + json.size() + 8 + offset);
+    word(json.size());
+    bytes += "JSON" + json;
+    word(offset);
+    bytes += std::string("BIN\0", 4);
+    append(bytes, mesh.positions.data(), views[0]);
+    append(bytes, mesh.normals.data(), views[1]);
+    append(bytes, mesh.uvs.data(), views[2]);
+    append(bytes, mesh.triangles.data(), views[3]);
+    return bytes;
+}
+
 std::string obj_bytes(std::size_t wanted)
 {
     // Some 210 bytes a vertex with its two triangles.
@@ -222,20 +259,23 @@ try {
         is_temporary = true;
     }
     const auto size = static_cast<uint>(std::sqrt(double(triangles) / 2.0));
-    const fs::path files[] = {folder / "binary.ply", folder / "ascii.ply", folder / "binary.stl", folder / "mesh.obj"};
-    if (!fs::exists(files[3])) {
+    const fs::path files[] = {folder / "binary.ply", folder / "ascii.ply", folder / "binary.stl", folder / "mesh.glb",
+                              folder / "mesh.obj"};
+    constexpr int count = 5;
+    if (!fs::exists(files[4])) {
         const Mesh mesh = wavy_square(size);
         write_atomically(files[0], ply_bytes(mesh, false));
         write_atomically(files[1], ply_bytes(mesh, true));
         write_atomically(files[2], stl_bytes(mesh));
-        write_atomically(files[3], obj_bytes(megabytes * 1000000));
+        write_atomically(files[3], glb_bytes(mesh));
+        write_atomically(files[4], obj_bytes(megabytes * 1000000));
     }
 
     constexpr int rounds = 5;
-    std::vector<double> wall[4], processor[4], base[4], base_processor[4];
-    std::size_t counts[4] = {};
+    std::vector<double> wall[count], processor[count], base[count], base_processor[count];
+    std::size_t counts[count] = {};
     for (int round = 0; round <= rounds; ++round)
-        for (int i = 0; i < 4; ++i) {
+        for (int i = 0; i < count; ++i) {
             const double start = now(), start_processor = processor_time();
             Scene scene = load_scene(files[i]);
             const double end = now(), end_processor = processor_time();
@@ -252,7 +292,7 @@ try {
 
     fmt::print("{:12} {:>10} {:>6} {:>7} {:>8} {:>11} {:>12} {:>6} {:>9} {:>5}\n", "file", "triangles", "MB", "ms",
                "MB/s", "MB/s a core", "read+build", "ratio", "processor", "peak");
-    for (int i = 0; i < 4; ++i) {
+    for (int i = 0; i < count; ++i) {
         const double bytes = 1e-6 * double(fs::file_size(files[i]));
         const double time = median(wall[i]);
         fmt::print("{:12} {:>10} {:6.1f} {:7.1f} {:8.0f} {:11.0f} {:9.1f} ms {:6.2f} {:9.2f} {:5.2f}\n",
