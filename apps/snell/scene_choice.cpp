@@ -9,6 +9,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <limits>
 
 namespace snell::app {
@@ -41,7 +42,7 @@ void add_scene_options(Options& options, SceneChoice& choice)
     options.group("Animation");
     options.value("--time", "SECONDS", "The scene at that moment",
                   [&](const std::string& text) { choice.time = parse_number("--time", text, 0.0, 1e9); });
-    options.value("--animation", "NAME|INDEX", "Which of the scene's animations [the first]",
+    options.value("--animation", "NAME|INDEX|all", "Which of the scene's animations [the first]",
                   [&](const std::string& text) { choice.animation = text; });
 }
 
@@ -57,13 +58,28 @@ Scene load_chosen(const SceneChoice& choice)
     return scene;
 }
 
-Index<Animation> find_animation(const Scene& scene, const SceneChoice& choice, const char* option)
+// All of the scene's animations at once, as one more.
+static Index<Animation> join_animations(Scene& scene)
+{
+    Animation all;
+    all.name = "all";
+    for (const Animation& animation : scene.animations) {
+        all.channels.insert(all.channels.end(), animation.channels.begin(), animation.channels.end());
+        all.duration = std::max(all.duration, animation.duration);
+    }
+    scene.animations.push_back(std::move(all));
+    return {static_cast<uint>(scene.animations.size() - 1)};
+}
+
+Index<Animation> find_animation(Scene& scene, const SceneChoice& choice, const char* option)
 {
     if (scene.animations.empty())
         throw UsageError(fmt::format("{}: nothing moves in '{}', it has no animation", option, choice.name));
     if (choice.animation.empty()) return {0};
     std::vector<std::string> names;
     for (const Animation& animation : scene.animations) names.push_back(animation.name);
+    if (choice.animation == "all" && std::find(names.begin(), names.end(), "all") == names.end())
+        return join_animations(scene);
     return {static_cast<uint>(find_name_or_index("--animation", "animation", names, choice.animation))};
 }
 

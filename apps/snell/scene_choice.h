@@ -43,7 +43,7 @@ Scene open_chosen(const SceneChoice& choice);
 // For after choose_camera(), which may have added light from everywhere.
 void hide_environment(Scene& scene, const SceneChoice& choice);
 
-// Throws UsageError if there is none. option: who asks, for the message.
-Index<Animation> find_animation(const Scene& scene, const SceneChoice& choice, const char* option);
+// "all" joins them to one more. Throws UsageError if there is none. option: who asks, for the message.
+Index<Animation> find_animation(Scene& scene, const SceneChoice& choice, const char* option);
 
 } // namespace snell::app

@@ -209,6 +209,14 @@ TEST_F(SceneOptions, CamerasMoveUnlessTheCommandLinePlacesThem)
     EXPECT_GT(fixed[2], 14.0f);
 }
 
+TEST_F(SceneOptions, AllAnimationsAtOnce)
+{
+    // There and back move the lamp, tracking the lamp and the camera: of channels for one thing the last counts.
+    const float tracking = column(picture({"lamp.gltf", "--time", "0", "--animation", "tracking"}));
+    EXPECT_LT(tracking + 2.0f, column(picture({"lamp.gltf", "--time", "0", "--animation", "back"})));
+    EXPECT_EQ(column(picture({"lamp.gltf", "--time", "0", "--animation", "all"})), tracking);
+}
+
 // ---- loading ----
 
 TEST_F(SceneOptions, Variants)
