@@ -48,7 +48,12 @@ void reset_memory_peak()
 
 #if defined(SNELL_SANITIZED)
 
-#include <sanitizer/allocator_interface.h>
+// As <sanitizer/allocator_interface.h>, which g++ 12 comes without, has them.
+extern "C" {
+int __sanitizer_install_malloc_and_free_hooks(void (*on_malloc)(const volatile void*, std::size_t),
+                                              void (*on_free)(const volatile void*));
+std::size_t __sanitizer_get_allocated_size(const volatile void* p);
+}
 
 namespace {
 
