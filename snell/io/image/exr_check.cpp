@@ -89,11 +89,13 @@ class ExrHeaders
             std::string_view type = text();
             std::string_view value = take(number());
             check_size_of_type(type, value.size());
-            if (type == "chlist" && (value.empty() || value.back() != '\0')) fail("the EXR channel list has no end");
             if (name == "dataWindow" && type == "box2i") part.data_window = window(value);
             if (name == "displayWindow" && type == "box2i") part.display_window = window(value);
             if (name == "compression" && value.size() == 1) part.compression = static_cast<std::uint8_t>(value[0]);
-            if (name == "channels" && type == "chlist") read_channels(value, part);
+            if (type == "chlist") { // OpenEXR reads each up to its end, wherever that is
+                Part other;
+                read_channels(value, name == "channels" ? part : other);
+            }
             if (name == "tiles" && value.size() == 9) {
                 part.tile_width = number(value, 0);
                 part.tile_height = number(value, 4);
