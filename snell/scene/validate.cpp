@@ -11,18 +11,6 @@
 
 namespace snell {
 
-static bool is_usable(const Transform& m)
-{
-    for (const vec4 row : {m.x, m.y, m.z})
-        if (!is_seen(vec3(row.x, row.y, row.z)) || !is_seen(vec3(row.w))) return false;
-    return true;
-}
-
-static void warn(Scene& scene, std::string text)
-{
-    note(scene, Note::Kind::warning, std::move(text));
-}
-
 // The grey that primitives without a material share; added when first needed.
 class DefaultMaterial
 {

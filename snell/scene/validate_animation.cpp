@@ -133,18 +133,6 @@ static bool is_finite_all(const T& numbers)
     return std::all_of(numbers.begin(), numbers.end(), [](float x) { return std::isfinite(x); });
 }
 
-static bool is_usable(const Transform& m)
-{
-    for (const vec4 row : {m.x, m.y, m.z})
-        if (!is_seen(vec3(row.x, row.y, row.z)) || !is_seen(vec3(row.w))) return false;
-    return true;
-}
-
-static void warn(Scene& scene, std::string text)
-{
-    note(scene, Note::Kind::warning, std::move(text));
-}
-
 static void mend_nodes(Scene& scene)
 {
     for (std::size_t i = 0; i < scene.nodes.size(); ++i) {

@@ -10,11 +10,6 @@
 
 namespace snell {
 
-static void warn(Scene& scene, std::string text)
-{
-    note(scene, Note::Kind::warning, std::move(text));
-}
-
 // ---- pictures ----
 
 static void check_image(const Image& image, std::size_t number)

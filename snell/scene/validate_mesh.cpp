@@ -21,6 +21,18 @@ bool is_seen(vec3 p)
     return abs(p.x) <= largest && abs(p.y) <= largest && abs(p.z) <= largest; // false for NaN
 }
 
+bool is_usable(const Transform& m)
+{
+    for (const vec4 row : {m.x, m.y, m.z})
+        if (!is_seen(vec3(row.x, row.y, row.z)) || !is_seen(vec3(row.w))) return false;
+    return true;
+}
+
+void warn(Scene& scene, std::string text)
+{
+    note(scene, Note::Kind::warning, std::move(text));
+}
+
 static void check_length(const std::string& who, const char* what, std::size_t given, std::size_t wanted,
                          const char* per)
 {

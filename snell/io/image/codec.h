@@ -28,6 +28,14 @@ inline constexpr std::int64_t max_texels = std::int64_t(1) << 28;
 void check_size(const std::filesystem::path& file, std::int64_t width, std::int64_t height, std::uint64_t least_bytes,
                 std::uint64_t file_bytes);
 
+// Throws the Error of a file that is broken.
+[[noreturn]] void fail_picture(const std::filesystem::path& file, const std::string& message);
+
+inline std::uint32_t byte_at(std::string_view bytes, std::size_t at)
+{
+    return static_cast<std::uint8_t>(bytes[at]);
+}
+
 // Decoders. `file` is for messages only. All throw Error on bytes that are not of the format, are cut off, or use what
 // is not supported. In data (not colour) an EXR's primaries are not converted.
 Raster decode_exr(const std::filesystem::path& file, std::string_view bytes, bool is_color);

@@ -15,23 +15,13 @@ namespace snell {
 
 namespace {
 
-[[noreturn]] void fail(const fs::path& file, const std::string& message)
-{
-    throw Error({file.string()}, message, "write the file again");
-}
-
-std::uint32_t byte_at(std::string_view bytes, std::size_t at)
-{
-    return static_cast<std::uint8_t>(bytes[at]);
-}
-
 // Of a segment of Huffman tables.
 void check_huffman_tables(const fs::path& file, std::string_view tables)
 {
     while (!tables.empty()) {
         std::size_t codes = 0;
         for (std::size_t i = 1; i < 17 && i < tables.size(); ++i) codes += byte_at(tables, i);
-        if (codes > 256 || tables.size() < 17 + codes) fail(file, "the JPEG file has a broken Huffman table");
+        if (codes > 256 || tables.size() < 17 + codes) fail_picture(file, "the JPEG file has a broken Huffman table");
         tables.remove_prefix(17 + codes);
     }
 }
@@ -43,7 +33,7 @@ void check_jpeg(const fs::path& file, std::string_view bytes)
     int scans = 0;
     bool has_size = false;
     std::size_t at = 2;
-    auto cut_off = [&]() { fail(file, "the JPEG picture is cut off"); };
+    auto cut_off = [&]() { fail_picture(file, "the JPEG picture is cut off"); };
     for (;;) {
         // The next mark: FF and neither a stuffed 0, nor a restart, nor another FF. Whatever stands between
         // segments is passed over too, as decoders do.
@@ -59,7 +49,7 @@ void check_jpeg(const fs::path& file, std::string_view bytes)
         if (mark == 0x01 || mark == 0xd8) continue; // marks without a segment
         if (at + 2 > bytes.size()) cut_off();
         std::size_t length = byte_at(bytes, at) << 8 | byte_at(bytes, at + 1);
-        if (length < 2) fail(file, "the JPEG file has a broken segment");
+        if (length < 2) fail_picture(file, "the JPEG file has a broken segment");
         if (length > bytes.size() - at) cut_off();
         if (mark == 0xc4) check_huffman_tables(file, bytes.substr(at + 2, length - 2));
         bool is_frame = mark >= 0xc0 && mark <= 0xcf && mark != 0xc4 && mark != 0xc8 && mark != 0xcc;
@@ -75,7 +65,7 @@ void check_jpeg(const fs::path& file, std::string_view bytes)
                         "save it with fewer");
         at += length;
     }
-    if (!has_size || scans == 0) fail(file, "the JPEG file has no picture");
+    if (!has_size || scans == 0) fail_picture(file, "the JPEG file has no picture");
 }
 
 struct JpegReader
@@ -139,7 +129,7 @@ Raster decode_jpeg(const fs::path& file, std::string_view bytes)
 {
     check_jpeg(file, bytes);
     JpegReader reader;
-    const auto fail_reading = [&] { fail(file, fmt::format("not a good JPEG file: {}", reader.message)); };
+    const auto fail_reading = [&] { fail_picture(file, fmt::format("not a good JPEG file: {}", reader.message)); };
     if (!read_header(reader, bytes)) fail_reading();
     const std::int64_t width = reader.info.output_width, height = reader.info.output_height;
     check_size(file, width, height, static_cast<std::uint64_t>(width * height) / 1024, bytes.size());

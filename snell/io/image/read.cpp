@@ -12,6 +12,11 @@ namespace fs = std::filesystem;
 
 namespace snell {
 
+void fail_picture(const fs::path& file, const std::string& message)
+{
+    throw Error({file.string()}, message, "write the file again");
+}
+
 void check_size(const fs::path& file, std::int64_t width, std::int64_t height, std::uint64_t least_bytes,
                 std::uint64_t file_bytes)
 {

@@ -27,16 +27,7 @@ namespace snell {
 
 namespace {
 
-[[noreturn]] void fail(const fs::path& file, const std::string& message)
-{
-    throw Error({file.string()}, message, "write the file again");
-}
-
 // Little-endian fields; the caller has made sure of the size.
-std::uint32_t byte_at(std::string_view bytes, std::size_t at)
-{
-    return static_cast<std::uint8_t>(bytes[at]);
-}
 std::uint32_t word_at(std::string_view bytes, std::size_t at)
 {
     return byte_at(bytes, at) | byte_at(bytes, at + 1) << 8;
@@ -56,7 +47,7 @@ Raster decode(const fs::path& file, std::string_view bytes, const char* kind)
         stbi_load_from_memory(reinterpret_cast<const stbi_uc*>(bytes.data()), static_cast<int>(bytes.size()),
                               &raster.width, &raster.height, &channels, 4),
         stbi_image_free);
-    if (!texels) fail(file, fmt::format("not a good {} file: {}", kind, stbi_failure_reason()));
+    if (!texels) fail_picture(file, fmt::format("not a good {} file: {}", kind, stbi_failure_reason()));
     std::size_t count = static_cast<std::size_t>(raster.width) * static_cast<std::size_t>(raster.height) * 4;
     raster.bytes.assign(texels.get(), texels.get() + count);
     return raster;
@@ -67,24 +58,24 @@ void check_tga_runs(const fs::path& file, std::string_view bytes, std::size_t at
                     std::size_t texel_bytes)
 {
     for (std::uint64_t done = 0; done < texels;) {
-        if (at >= bytes.size()) fail(file, "the TGA picture is cut off");
+        if (at >= bytes.size()) fail_picture(file, "the TGA picture is cut off");
         std::uint32_t head = byte_at(bytes, at);
         std::size_t count = (head & 127) + 1;
         at += 1 + (head & 128 ? 1 : count) * texel_bytes;
-        if (at > bytes.size()) fail(file, "the TGA picture is cut off");
+        if (at > bytes.size()) fail_picture(file, "the TGA picture is cut off");
         done += count;
     }
 }
 
 void check_tga(const fs::path& file, std::string_view bytes)
 {
-    if (bytes.size() < 18) fail(file, "the TGA header is cut off");
+    if (bytes.size() < 18) fail_picture(file, "the TGA header is cut off");
     std::uint32_t kind = byte_at(bytes, 2);
     bool is_packed = kind >= 8;
-    if ((kind & ~8u) < 1 || (kind & ~8u) > 3) fail(file, "not a TGA file, or of an unknown kind");
+    if ((kind & ~8u) < 1 || (kind & ~8u) > 3) fail_picture(file, "not a TGA file, or of an unknown kind");
     std::int64_t width = word_at(bytes, 12), height = word_at(bytes, 14);
     std::size_t texel_bytes = (byte_at(bytes, 16) + 7) / 8;
-    if (texel_bytes < 1 || texel_bytes > 4) fail(file, "a TGA file with an unknown number of bits a pixel");
+    if (texel_bytes < 1 || texel_bytes > 4) fail_picture(file, "a TGA file with an unknown number of bits a pixel");
     std::size_t at = 18 + byte_at(bytes, 0);
     if (byte_at(bytes, 1) != 0) at += std::size_t(word_at(bytes, 5)) * ((byte_at(bytes, 7) + 7) / 8);
     std::uint64_t texels = static_cast<std::uint64_t>(width * height);
@@ -95,7 +86,7 @@ void check_tga(const fs::path& file, std::string_view bytes)
 
 void check_bmp(const fs::path& file, std::string_view bytes)
 {
-    if (bytes.size() < 30) fail(file, "the BMP header is cut off");
+    if (bytes.size() < 30) fail_picture(file, "the BMP header is cut off");
     bool is_old = dword_at(bytes, 14) == 12; // OS/2: shorter fields
     std::int64_t width = is_old ? std::int64_t(word_at(bytes, 18)) : static_cast<std::int32_t>(dword_at(bytes, 18));
     std::int64_t height = is_old ? std::int64_t(word_at(bytes, 20)) : static_cast<std::int32_t>(dword_at(bytes, 22));
