@@ -1,9 +1,12 @@
 // Ray intersection structures, swappable by name.
 #pragma once
 
+#include "snell/bvh/build.h"
 #include "snell/kernel/ray.h"
 #include "snell/scene/packed.h"
 
+#include <filesystem>
+#include <map>
 #include <memory>
 #include <span>
 #include <string>
@@ -17,17 +20,40 @@ enum class TriangleTest
     moller_trumbore
 };
 
+// How a batch of rays goes through a tree.
+enum class Traversal
+{
+    automatic, // packets for coherent batches, else streams
+    single,    // one ray after the other
+    packets,   // sixteen rays together
+    stream     // many rays in flight
+};
+
+// What to do with the tree of a mesh that has changed its shape.
+enum class UpdatePolicy
+{
+    automatic, // refit, and rebuild once the SAH cost is more than rebuild_factor times that of the last build
+    refit,
+    rebuild
+};
+
 struct AccelOptions
 {
     TriangleTest triangle_test = TriangleTest::watertight;
+    Traversal traversal = Traversal::automatic;
+    BuildOptions build;
+    UpdatePolicy update = UpdatePolicy::automatic;
+    double rebuild_factor = 1.5;
+    std::filesystem::path cache; // folder that keeps trees; empty: none
 };
 
 struct AccelStats
 {
-    double build_seconds = 0;
-    std::size_t bytes = 0; // of the structure, the scene's own arrays not counted
+    double build_seconds = 0; // the last build, or update
+    std::size_t bytes = 0;    // of the structure, the scene's own arrays not counted
     std::size_t nodes = 0, leaves = 0;
-    double sah_cost = 0; // expected cost of a random ray, with node cost 1 and triangle cost 1
+    double sah_cost = 0;                   // expected cost of a random ray, with node cost 1 and triangle cost 1
+    std::size_t refitted = 0, rebuilt = 0; // trees, by the last update; the one over instances not counted
 };
 
 // Finds hits for batches of rays. Thread-safe after construction; refers to the PackedScene it was built from. A ray
@@ -50,6 +76,10 @@ class Accel
 
     // As intersect, and counts the steps (nodes visited plus primitive tests) of each ray.
     virtual void intersect_counted(std::span<const Ray> rays, std::span<Hit> hits, std::span<uint> steps) const = 0;
+
+    // Follows the PackedScene, whose arrays have changed in place. Only what changed is touched: a tree is refitted or
+    // rebuilt by the policy of the options, and the tree over the instances is rebuilt. Nobody may trace meanwhile.
+    virtual void update(const PackedChanges& changes) = 0;
 
     AccelStats stats;
 };

@@ -52,6 +52,8 @@ class Brute : public Accel
         }
     }
 
+    void update(const PackedChanges&) override {} // it looks at the scene itself
+
   private:
     struct Result
     {

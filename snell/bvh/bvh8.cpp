@@ -35,10 +35,16 @@ constexpr std::size_t small_tree = 20;
 class Bvh8 : public Accel
 {
   public:
-    Bvh8(const PackedScene& scene, const AccelOptions& options, bool one_by_one) : single(one_by_one)
+    Bvh8(const PackedScene& packed, const AccelOptions& chosen, bool one_by_one)
+        : scene(packed), options(chosen), single(one_by_one)
+    {
+        build();
+    }
+
+    void build()
     {
         const auto start = std::chrono::steady_clock::now();
-        bvh = build_wide(scene);
+        bvh = build_wide(scene, options.build);
         stats.build_seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
         stats.bytes = bvh.bytes();
         stats.nodes = bvh.nodes.size();
@@ -48,6 +54,11 @@ class Bvh8 : public Accel
         packets = scene.instances.empty() && options.triangle_test == TriangleTest::watertight;
         small = bvh.nodes.size() <= small_tree;
         input = {&bvh, &scene, options.triangle_test, stats.bytes > prefetch_bytes};
+    }
+
+    void update(const PackedChanges& changes) override
+    {
+        if (changes.any()) build();
     }
 
     void intersect(std::span<const Ray> rays, std::span<Hit> hits) const override
@@ -100,6 +111,8 @@ class Bvh8 : public Accel
         stream
     };
 
+    const PackedScene& scene;
+    const AccelOptions options;
     WideBvh bvh;
     TraceInput input;
     const bool single;

@@ -225,17 +225,17 @@ WideBvh make_wide(const PackedScene& scene, const BinaryTree& world, std::span<c
     return wide;
 }
 
-WideBvh build_wide(const PackedScene& scene)
+WideBvh build_wide(const PackedScene& scene, const BuildOptions& options)
 {
     std::vector<BinaryTree> groups;
     std::vector<Box> boxes;
     for (const PackedGroup& group : scene.groups) {
-        groups.push_back(build_binned_sah(collect_primitives(scene, group)));
+        groups.push_back(build_tree(scene, collect_primitives(scene, group), options));
         boxes.push_back(groups.back().nodes.empty() ? Box() : groups.back().nodes[0].box);
     }
     std::vector<PrimitiveRef> refs = collect_primitives(scene, scene.world);
     collect_instances(scene, boxes, refs);
-    return make_wide(scene, build_binned_sah(std::move(refs)), groups);
+    return make_wide(scene, build_tree(scene, std::move(refs), options), groups);
 }
 
 } // namespace snell

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "snell/bvh/big_pages.h"
-#include "snell/bvh/tree.h"
+#include "snell/bvh/build.h"
 #include "snell/scene/packed.h"
 
 #include <span>
@@ -74,6 +74,6 @@ struct WideBvh
 WideBvh make_wide(const PackedScene& scene, const BinaryTree& world, std::span<const BinaryTree> groups);
 
 // Collects, builds and converts all of a scene.
-WideBvh build_wide(const PackedScene& scene);
+WideBvh build_wide(const PackedScene& scene, const BuildOptions& options = {});
 
 } // namespace snell

@@ -1,5 +1,6 @@
 #include "snell/render/params.h"
 
+#include "snell/bvh/options.h"
 #include "snell/core/error.h"
 #include "snell/core/text.h"
 
@@ -43,7 +44,7 @@ static void check_keys(const RenderSettings& settings, const IntegratorInfo& int
     std::vector<std::string> known;
     for (const std::string& line : integrator.parameters) known.push_back(line.substr(0, line.find('=')));
     for (const auto& [key, value] : settings.parameters) {
-        if (std::find(known.begin(), known.end(), key) != known.end()) continue;
+        if (is_accel_parameter(key) || std::find(known.begin(), known.end(), key) != known.end()) continue;
         const std::string near = nearest(key, known);
         throw Error(fmt::format("integrator '{}' has no parameter '{}'", integrator.name, key),
                     !near.empty()   ? fmt::format("did you mean '{}'?", near)

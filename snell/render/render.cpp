@@ -1,5 +1,6 @@
 #include "snell/render/render.h"
 
+#include "snell/bvh/options.h"
 #include "snell/core/error.h"
 #include "snell/core/parallel.h"
 #include "snell/core/text.h"
@@ -62,6 +63,7 @@ std::unique_ptr<Prepared> prepare(const Scene& scene, const RenderSettings& sett
         throw Error(fmt::format("there is no accelerator '{}'", settings.accel), suggestion(settings.accel, accels()));
     if (scene.cameras.empty()) throw Error("the scene has no camera", "call complete() before rendering it");
     set_thread_count(settings.threads);
+    const AccelOptions options = read_accel_options(settings.parameters, settings.accel_options);
 
     auto prepared = std::make_unique<Prepared>();
     Timer timer;
@@ -69,7 +71,7 @@ std::unique_ptr<Prepared> prepare(const Scene& scene, const RenderSettings& sett
     apply_overrides(prepared->packed, settings);
     prepared->camera = scene.cameras.front();
     prepared->pack_seconds = timer.lap();
-    prepared->accel = info->make(prepared->packed, settings.accel_options);
+    prepared->accel = info->make(prepared->packed, options);
     prepared->build_seconds = timer.seconds();
     return prepared;
 }

@@ -25,9 +25,9 @@ struct RenderSettings
     uint seed = 0;
     std::string sampler = "sobol"; // "sobol" (Owen-scrambled) or "independent"
     std::string integrator = "path";
-    std::map<std::string, std::string> parameters; // -D key=value: max_depth, nee, mis, rr, ...; unknown keys: Error
+    std::map<std::string, std::string> parameters; // -D key=value: max_depth, nee, mis, rr, ...; builder, ...; unknown keys: Error
     std::string accel;                             // empty: the default one
-    AccelOptions accel_options;
+    AccelOptions accel_options;                    // where parameters do not say otherwise
     int threads = 0;            // 0: all
     int tile_size = 0;          // pixels a side; 0: chosen. The picture does not depend on it
     double timeout_seconds = 0; // stop after that long; 0: never

@@ -56,6 +56,15 @@ struct PackedScene
     std::size_t bytes() const;
 };
 
+// What of a PackedScene has changed. The numbers of primitives and instances may not.
+struct PackedChanges
+{
+    bool world = false;       // vertices or spheres of PackedScene::world
+    std::vector<uint> groups; // those whose vertices or spheres have changed, ascending
+    bool instances = false;   // transforms
+    bool any() const { return world || instances || !groups.empty(); }
+};
+
 // The scene must have passed validate().
 PackedScene pack(const Scene& scene);
 

@@ -105,7 +105,7 @@ TEST(BvhBuild, HoldsEverythingOnce)
         end_world(scene);
         const std::vector<PrimitiveRef> refs = collect_primitives(scene, scene.world);
         EXPECT_EQ(refs.size(), static_cast<std::size_t>(count + count / 3));
-        expect_sound(refs, build_binned_sah(refs));
+        expect_sound(refs, build_binned_sah(scene, refs, {}));
     }
 }
 
@@ -118,7 +118,7 @@ TEST(BvhBuild, DepthIsBounded)
         refs.push_back({vec3(x, 0.0f, 0.0f), i, vec3(x, x * x < 1e30f ? 1.0f : 2.0f, 0.0f), RefKind::triangle});
     }
     for (uint i = 0; i < 60'000; ++i) refs.push_back({vec3(1.0f), 60'000 + i, vec3(2.0f), RefKind::triangle});
-    const BinaryTree tree = build_binned_sah(refs);
+    const BinaryTree tree = build_binned_sah({}, refs, {});
     expect_sound(refs, tree);
     EXPECT_LE(depth_of(tree, 0), 96);
 }

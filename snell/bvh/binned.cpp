@@ -368,7 +368,7 @@ class Builder
 
 } // namespace
 
-BinaryTree build_binned_sah(std::vector<PrimitiveRef> refs)
+BinaryTree build_binned_sah(const PackedScene&, std::vector<PrimitiveRef> refs, const BuildOptions&)
 {
     return Builder(std::move(refs)).run();
 }

@@ -1,0 +1,42 @@
+#include "snell/bvh/build.h"
+
+#include "snell/core/error.h"
+#include "snell/core/text.h"
+
+#include <fmt/ranges.h>
+
+#include <array>
+
+namespace snell {
+
+static constexpr std::array registry = {
+    BuilderInfo{"binned", "surface area heuristic over bins (Wald 2007)", build_binned_sah},
+};
+
+std::span<const BuilderInfo> builders()
+{
+    return registry;
+}
+
+const BuilderInfo* find_builder(std::string_view name)
+{
+    for (const BuilderInfo& info : registry)
+        if (info.name == name) return &info;
+    return nullptr;
+}
+
+BinaryTree build_tree(const PackedScene& scene, std::vector<PrimitiveRef> refs, const BuildOptions& options)
+{
+    const BuilderInfo* info = options.builder.empty() ? &registry.front() : find_builder(options.builder);
+    if (info == nullptr) {
+        std::vector<std::string> names;
+        for (const BuilderInfo& known : registry) names.emplace_back(known.name);
+        const std::string near = nearest(options.builder, names);
+        throw Error(fmt::format("there is no builder '{}'", options.builder),
+                    near.empty() ? fmt::format("there are {}", fmt::join(names, ", "))
+                                 : fmt::format("did you mean '{}'?", near));
+    }
+    return info->build(scene, std::move(refs), options);
+}
+
+} // namespace snell
