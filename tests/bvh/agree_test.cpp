@@ -102,7 +102,8 @@ void expect_same_chains(const Accel& accel, const Accel& brute, std::vector<Ray>
 void expect_agreement(const PackedScene& scene, const std::vector<Ray>& rays, std::size_t least_hits,
                       TriangleTest test = TriangleTest::watertight)
 {
-    const AccelOptions options = {test};
+    AccelOptions options;
+    options.triangle_test = test;
     const auto brute = find_accel("brute")->make(scene, options);
     std::vector<Hit> expected(rays.size());
     brute->intersect(rays, expected);
