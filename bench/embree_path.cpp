@@ -1,11 +1,10 @@
 #include "bench/embree_path.h"
 
-#include "snell/core/error.h"
+#include "snell/bvh/embree_rays.h"
+#include "snell/bvh/embree_scene.h"
 #include "snell/core/parallel.h"
-#include "snell/core/timer.h"
+#include "snell/kernel/intersect.h"
 #include "snell/kernel/path.h"
-
-#include <embree3/rtcore.h>
 
 #include <atomic>
 
@@ -14,84 +13,57 @@ namespace snell::bench {
 struct EmbreePathTracer::Impl
 {
     const PackedScene& packed;
-    RTCDevice device = nullptr;
-    RTCScene scene = nullptr;
-    double build_seconds = 0;
+    EmbreeScene scene;
 
-    explicit Impl(const PackedScene& p) : packed(p) {}
-    ~Impl()
-    {
-        if (scene != nullptr) rtcReleaseScene(scene);
-        if (device != nullptr) rtcReleaseDevice(device);
-    }
-    Hit intersect(const Ray& ray) const;
+    Impl(const PackedScene& p, const EmbreeSceneOptions& options) : packed(p), scene(p, options) {}
+    Hit intersect(Ray ray) const;
     bool occluded(const Ray& ray) const;
 };
 
-EmbreePathTracer::EmbreePathTracer(const PackedScene& scene, EmbreeQuality quality)
-    : impl_(std::make_unique<Impl>(scene))
+static EmbreeSceneOptions options_for(EmbreeQuality quality)
 {
-    if (!scene.spheres.empty() || !scene.planes.empty() || !scene.instances.empty())
-        throw Error("the comparison with Embree takes scenes of triangles without instances",
-                    "give it an OBJ, PLY or STL file, or the built-in cornell");
-    const Timer timer;
-    impl_->device = rtcNewDevice(nullptr);
-    if (impl_->device == nullptr) throw Error("Embree does not start", "check the installation of libembree");
-    impl_->scene = rtcNewScene(impl_->device);
-    rtcSetSceneBuildQuality(impl_->scene,
-                            quality == EmbreeQuality::high ? RTC_BUILD_QUALITY_HIGH : RTC_BUILD_QUALITY_MEDIUM);
-    RTCGeometry geometry = rtcNewGeometry(impl_->device, RTC_GEOMETRY_TYPE_TRIANGLE);
-    // Copies: Embree reads 16 bytes at each vertex, so a shared buffer would have to end with padding.
-    auto* vertices = static_cast<vec3*>(rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3,
-                                                                sizeof(vec3), scene.positions.size()));
-    auto* indices = static_cast<uvec3*>(rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3,
-                                                                sizeof(uvec3), scene.triangles.size()));
-    std::copy(scene.positions.begin(), scene.positions.end(), vertices);
-    for (std::size_t i = 0; i < scene.triangles.size(); ++i)
-        indices[i] = uvec3(scene.triangles[i].v0, scene.triangles[i].v1, scene.triangles[i].v2);
-    rtcCommitGeometry(geometry);
-    rtcAttachGeometryByID(impl_->scene, geometry, 0);
-    rtcReleaseGeometry(geometry);
-    rtcCommitScene(impl_->scene);
-    impl_->build_seconds = timer.seconds();
+    EmbreeSceneOptions options;
+    if (quality == EmbreeQuality::high) options.quality = snell::EmbreeQuality::high;
+    return options;
+}
+
+EmbreePathTracer::EmbreePathTracer(const PackedScene& scene, EmbreeQuality quality)
+    : impl_(std::make_unique<Impl>(scene, options_for(quality)))
+{
 }
 
 EmbreePathTracer::~EmbreePathTracer() = default;
 
 double EmbreePathTracer::build_seconds() const
 {
-    return impl_->build_seconds;
+    return impl_->scene.build_seconds();
 }
 
-static RTCRay to_embree(const Ray& ray)
+// The planes come first, so that Embree's ray ends at the nearest of them.
+Hit EmbreePathTracer::Impl::intersect(Ray ray) const
 {
-    RTCRay r{};
-    r.org_x = ray.origin.x, r.org_y = ray.origin.y, r.org_z = ray.origin.z;
-    r.dir_x = ray.direction.x, r.dir_y = ray.direction.y, r.dir_z = ray.direction.z;
-    r.tnear = ray.t_min;
-    r.tfar = ray.t_max;
-    r.mask = 0xffffffffu;
-    return r;
-}
-
-Hit EmbreePathTracer::Impl::intersect(const Ray& ray) const
-{
+    Hit on_plane = miss(ray.t_max);
+    for (uint i = 0; i < packed.planes.size(); ++i) {
+        const Intersection r = intersect_plane(ray, packed.planes[i].normal, packed.planes[i].offset);
+        if (!r.ok) continue;
+        on_plane = {r.t, 0.0f, 0.0f, pack_primitive(kind_plane, i), none};
+        ray.t_max = r.t;
+    }
     RTCIntersectContext context;
     rtcInitIntersectContext(&context);
-    RTCRayHit query{to_embree(ray), {}};
-    query.hit.geomID = RTC_INVALID_GEOMETRY_ID;
-    query.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
-    rtcIntersect1(scene, &context, &query);
-    if (query.hit.geomID == RTC_INVALID_GEOMETRY_ID) return miss(ray.t_max);
-    return {query.ray.tfar, query.hit.u, query.hit.v, pack_primitive(kind_triangle, query.hit.primID), none};
+    RTCRayHit query = to_query(ray);
+    rtcIntersect1(scene.handle(), &context, &query);
+    return query.hit.geomID == RTC_INVALID_GEOMETRY_ID ? on_plane : to_hit(packed, query, ray.t_max);
 }
 
 bool EmbreePathTracer::Impl::occluded(const Ray& ray) const
 {
+    for (const Plane& plane : packed.planes)
+        if (intersect_plane(ray, plane.normal, plane.offset).ok) return true;
     RTCIntersectContext context;
     rtcInitIntersectContext(&context);
     RTCRay query = to_embree(ray);
-    rtcOccluded1(scene, &context, &query);
+    rtcOccluded1(scene.handle(), &context, &query);
     return query.tfar < 0.0f;
 }
 

@@ -19,7 +19,7 @@ enum class EmbreeQuality
 class EmbreePathTracer
 {
   public:
-    // World-space triangles only; throws Error if the scene has spheres, planes or instances.
+    // Refers to the scene. Triangles, spheres and instances are in Embree's tree, planes are tested one by one.
     EmbreePathTracer(const PackedScene& scene, EmbreeQuality quality);
     ~EmbreePathTracer();
 
