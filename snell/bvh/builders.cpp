@@ -11,6 +11,7 @@ namespace snell {
 
 static constexpr std::array registry = {
     BuilderInfo{"binned", "surface area heuristic over bins (Wald 2007)", build_binned_sah},
+    BuilderInfo{"sbvh", "spatial splits beside object splits (Stich et al. 2009)", build_sbvh},
 };
 
 std::span<const BuilderInfo> builders()
