@@ -11,6 +11,9 @@ namespace snell {
 
 static constexpr std::array registry = {
     BuilderInfo{"binned", "surface area heuristic over bins (Wald 2007)", build_binned_sah},
+    BuilderInfo{"sweep", "surface area heuristic over all splits: the reference (Wald and Havran 2006)",
+                build_sweep_sah},
+    BuilderInfo{"median", "the middle of the longest side: for teaching", build_median},
     BuilderInfo{"sbvh", "spatial splits beside object splits (Stich et al. 2009)", build_sbvh},
 };
 
