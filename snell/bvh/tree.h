@@ -27,7 +27,7 @@ struct Box
     }
 };
 
-// What a tree may hold; the numbers are those of the child words in wide.h.
+// What a tree may hold; the numbers are those of the child words in node.h.
 enum class RefKind : uint
 {
     triangle = 1,
@@ -53,7 +53,7 @@ struct BinaryNode
 };
 
 // Most primitives in a leaf: what one SIMD block holds. An instance always has a leaf of its own.
-inline constexpr uint max_leaf_size = 4;
+inline constexpr uint max_leaf_size = 8;
 
 // Node 0 is the root; no nodes: nothing to hit. Children come after their parents.
 struct BinaryTree

@@ -1,6 +1,5 @@
 #include "snell/bvh/wide.h"
 
-#include "snell/bvh/build.h"
 #include "snell/bvh/primitives.h"
 #include "snell/core/error.h"
 #include "snell/core/parallel.h"
@@ -11,231 +10,310 @@
 namespace snell {
 namespace {
 
-// What one tree became: its root, and bounds on what traversing it takes.
-struct Converted
+// Subtrees of so many binary nodes are converted by one thread.
+constexpr uint piece_size = 8192;
+
+struct Visit
 {
-    WideRoot root;
-    uint stack = 0;  // entries that may be waiting while anything below the root is visited
-    double cost = 0; // expected steps of a ray that enters the root's box
+    ChildWord word;
+    uint stack;  // see WideTree
+    double cost; // times area
 };
 
+// Part of a tree that one thread has made; words of nodes and blocks count from the part's own first ones.
+template <class Node>
+struct Piece
+{
+    uint root, end; // range of binary nodes
+    std::vector<Node> nodes;
+    std::vector<Line> lines;
+    std::vector<SphereBlock> spheres;
+    std::size_t leaves = 0;
+    Visit visit{word_done, 0, 0};
+    std::size_t first_node = 0, first_line = 0, first_sphere = 0; // in the whole
+};
+
+template <class Node>
 class Converter
 {
   public:
-    Converter(const PackedScene& packed, WideBvh& target) : scene(packed), wide(target) {}
-
-    Converted convert(const BinaryTree& binary, std::span<const Converted> group_results)
+    Converter(const PackedScene& packed, const BinaryTree& binary, std::span<const Below> instances)
+        : scene(packed), tree(binary), below(instances)
     {
-        tree = &binary;
-        groups = group_results;
-        Converted result;
-        if (binary.nodes.empty()) return result;
-        first_node = wide.nodes.size();
-        first_triangles = wide.triangles.size();
-        triangle_leaves.clear();
+    }
 
-        for (int axis = 0; axis < 3; ++axis) {
-            result.root.lower[axis] = binary.nodes[0].box.lower[axis];
-            result.root.upper[axis] = binary.nodes[0].box.upper[axis];
+    WideTree<Node> run()
+    {
+        WideTree<Node> wide;
+        if (tree.nodes.empty()) return wide;
+        wide.box = tree.nodes[0].box;
+        plan(0, static_cast<uint>(tree.nodes.size()));
+        parallel_for(pieces.size(), [&](std::size_t i) {
+            Piece<Node>& piece = pieces[i];
+            piece.visit = emit(piece, piece.root, piece.end, nullptr);
+        });
+        Piece<Node> summit;
+        std::size_t next = 0;
+        const Visit visit = emit(summit, 0, static_cast<uint>(tree.nodes.size()), &next);
+        SNELL_CHECK_EQ(next, pieces.size());
+
+        std::size_t nodes = summit.nodes.size(), lines = summit.lines.size(), spheres = summit.spheres.size();
+        for (Piece<Node>& piece : pieces) {
+            piece.first_node = nodes, piece.first_line = lines, piece.first_sphere = spheres;
+            nodes += piece.nodes.size(), lines += piece.lines.size(), spheres += piece.spheres.size();
+            wide.leaves += piece.leaves;
         }
-        const Visit visit = emit(0);
-        result.root.word = visit.word;
-        result.stack = visit.stack;
-        const double area = binary.nodes[0].box.half_area();
-        result.cost = area > 0 ? visit.cost / area : visit.cost;
-        fill_triangles();
-        fill_orders();
-        return result;
+        wide.leaves += summit.leaves;
+        SNELL_CHECK_LT(nodes, std::size_t{child_index_mask});
+        SNELL_CHECK_LT(lines, std::size_t{child_index_mask});
+        wide.nodes.resize(nodes);
+        wide.lines.resize(lines + 1);
+        wide.spheres.resize(spheres);
+        // Words of the summit that stand for pieces become those of the pieces' roots.
+        for (Node& node : summit.nodes)
+            for (uint i = 0; i < Node::width; ++i)
+                if (is_piece(node.child[i])) node.child[i] = moved(pieces[piece_of(node.child[i])]);
+        pieces.push_back(std::move(summit));
+        parallel_for(pieces.size(), [&](std::size_t i) { place(pieces[i], wide); });
+        wide.root = is_piece(visit.word) ? moved(pieces[piece_of(visit.word)]) : visit.word;
+        wide.stack_size = visit.stack;
+        const double area = wide.box.half_area();
+        wide.sah_cost = area > 0 ? visit.cost / area : visit.cost;
+        return wide;
     }
 
   private:
-    struct Visit
-    {
-        ChildWord word;
-        uint stack;  // see Converted
-        double cost; // times area
-    };
-
     const PackedScene& scene;
-    WideBvh& wide;
-    const BinaryTree* tree = nullptr;
-    std::span<const Converted> groups;
-    std::size_t first_node = 0, first_triangles = 0;
-    std::vector<uint> triangle_leaves; // binary leaf of each new triangle block
+    const BinaryTree& tree;
+    std::span<const Below> below;
+    std::vector<Piece<Node>> pieces;
 
-    // Recursion is as deep as the tree, which builders bound.
-    Visit emit(uint index)
+    // Within the summit a piece is an instance word with a number that no instance has there: summits of trees over
+    // instances hold no pieces, see plan().
+    static constexpr ChildWord piece_bit = 0xc0000000u;
+    bool is_piece(ChildWord word) const { return below.empty() && word >= piece_bit && word != word_done; }
+    static std::size_t piece_of(ChildWord word) { return word & child_index_mask; }
+
+    static ChildWord moved(const Piece<Node>& piece) { return moved(piece, piece.visit.word); }
+    static ChildWord moved(const Piece<Node>& piece, ChildWord word)
     {
-        const BinaryNode& node = tree->nodes[index];
-        return node.count > 0 ? emit_leaf(index, node) : emit_node(index);
+        switch (word >> 30) {
+        case 0:
+            return word + static_cast<uint>(piece.first_node);
+        case uint(RefKind::triangle):
+            return word + static_cast<uint>(piece.first_line);
+        case uint(RefKind::sphere):
+            return word + static_cast<uint>(piece.first_sphere);
+        default:
+            return word;
+        }
     }
 
-    Visit emit_leaf(uint index, const BinaryNode& node)
-    {
-        SNELL_CHECK_LE(node.count, max_leaf_size);
-        ++wide.leaves;
-        const double area = node.box.half_area();
-        const auto& entry = tree->order[node.link];
-        if (entry.kind == RefKind::instance) {
-            // The stack holds the way back to the world while the instance's tree is visited.
-            const Converted& group = groups[scene.instances[entry.index].group];
-            SNELL_CHECK_LT(entry.index, child_index_mask - 1);
-            return {make_child(uint(RefKind::instance), entry.index), 1 + group.stack, area * (1 + group.cost)};
-        }
-        if (entry.kind == RefKind::sphere) {
-            SphereBlock block;
-            for (uint lane = 0; lane < max_leaf_size; ++lane)
-                block.id[lane] = lane < node.count ? tree->order[node.link + lane].index : none;
-            wide.spheres.push_back(block);
-            return {make_child(uint(RefKind::sphere), wide.spheres.size() - 1), 0, area * node.count};
-        }
-        triangle_leaves.push_back(index);
-        const std::size_t block = first_triangles + triangle_leaves.size() - 1;
-        SNELL_CHECK_LT(block, std::size_t{child_index_mask});
-        return {make_child(uint(RefKind::triangle), block), 0, area * node.count};
-    }
+    uint middle(uint index) const { return tree.nodes[index].link; }
 
-    // Opens the child with the largest surface until there are eight or only leaves.
-    uint gather_children(uint index, std::array<uint, node_width>& children) const
+    // Lists the subtrees that are small enough for one thread and are the roots of wide nodes, in depth-first order.
+    // Trees over instances are left to one thread.
+    void plan(uint index, uint end)
     {
-        children[0] = index + 1;
-        children[1] = tree->nodes[index].link;
-        uint count = 2;
-        while (count < node_width) {
-            uint widest = none;
-            double widest_area = -1;
-            for (uint i = 0; i < count; ++i) {
-                const BinaryNode& child = tree->nodes[children[i]];
-                if (child.count == 0 && child.box.half_area() > widest_area)
-                    widest = i, widest_area = child.box.half_area();
+        if (!below.empty() || end - index <= piece_size) {
+            if (below.empty() && index != 0 && tree.nodes[index].count == 0) {
+                Piece<Node>& piece = pieces.emplace_back();
+                piece.root = index, piece.end = end;
             }
-            if (widest == none) break;
-            const uint opened = children[widest];
-            children[widest] = opened + 1;
-            children[count++] = tree->nodes[opened].link;
+            return;
+        }
+        std::array<uint, Node::width> children, ends;
+        const uint count = gather_children(index, end, children, ends);
+        for (uint i = 0; i < count; ++i)
+            if (tree.nodes[children[i]].count == 0) plan(children[i], ends[i]);
+    }
+
+    // next_piece: not null for the summit; counts the pieces met.
+    Visit emit(Piece<Node>& to, uint index, uint end, std::size_t* next_piece)
+    {
+        const BinaryNode& node = tree.nodes[index];
+        if (node.count > 0) return emit_leaf(to, node);
+        if (next_piece != nullptr && *next_piece < pieces.size() && pieces[*next_piece].root == index) {
+            Visit visit = pieces[*next_piece].visit;
+            visit.word = piece_bit | static_cast<uint>((*next_piece)++);
+            return visit;
+        }
+        return emit_node(to, index, end, next_piece);
+    }
+
+    Visit emit_leaf(Piece<Node>& to, const BinaryNode& node)
+    {
+        ++to.leaves;
+        const double area = node.box.half_area();
+        const std::span<const BinaryTree::Entry> entries(&tree.order[node.link], node.count);
+        switch (entries[0].kind) {
+        case RefKind::triangle: {
+            const std::size_t first = to.lines.size();
+            append_blocks(scene, entries, to.lines);
+            return {make_child(uint(RefKind::triangle), first), 0, area * node.count};
+        }
+        case RefKind::sphere: {
+            SphereBlock& block = to.spheres.emplace_back();
+            for (uint lane = 0; lane < max_leaf_size; ++lane)
+                block.id[lane] = lane < node.count ? entries[lane].index : none;
+            return {make_child(uint(RefKind::sphere), to.spheres.size() - 1), 0, area * node.count};
+        }
+        case RefKind::instance: {
+            // The stack holds the way back while the instance's tree is visited.
+            const bool is_world = make_child(uint(RefKind::instance), entries[0].index) == word_world;
+            const Below& inner = is_world ? below.back() : below[scene.instances[entries[0].index].group];
+            return {make_child(uint(RefKind::instance), entries[0].index), 1 + inner.stack, area * (1 + inner.cost)};
+        }
+        }
+        return {word_done, 0, 0};
+    }
+
+    // Opens the child with the largest surface until the node is full or there are only leaves.
+    uint gather_children(uint index, uint end, std::array<uint, Node::width>& children,
+                         std::array<uint, Node::width>& ends) const
+    {
+        std::array<double, Node::width> areas; // of those that can be opened, else -1
+        const auto put = [&](uint at, uint child, uint child_end) {
+            children[at] = child, ends[at] = child_end;
+            const BinaryNode& node = tree.nodes[child];
+            areas[at] = node.count > 0 ? -1.0 : node.box.half_area();
+        };
+        put(0, index + 1, middle(index));
+        put(1, middle(index), end);
+        uint count = 2;
+        while (count < Node::width) {
+            const uint widest =
+                static_cast<uint>(std::max_element(areas.begin(), areas.begin() + count) - areas.begin());
+            if (areas[widest] < 0.0) break;
+            const uint opened = children[widest], opened_end = ends[widest];
+            put(widest, opened + 1, middle(opened));
+            put(count++, middle(opened), opened_end);
         }
         return count;
     }
 
-    Visit emit_node(uint index)
+    Visit emit_node(Piece<Node>& to, uint index, uint end, std::size_t* next_piece)
     {
-        std::array<uint, node_width> children;
-        const uint count = gather_children(index, children);
-        const std::size_t self = wide.nodes.size();
-        SNELL_CHECK_LT(self, std::size_t{child_index_mask});
-        WideNode& node = wide.nodes.emplace_back();
-        for (uint i = 0; i < node_width; ++i) {
-            const Box box = i < count ? tree->nodes[children[i]].box : Box();
-            for (int axis = 0; axis < 3; ++axis) {
-                node.planes[axis][i] = box.lower[axis];
-                node.planes[3 + axis][i] = box.upper[axis];
-            }
-            node.child[i] = word_done;
-        }
+        std::array<uint, Node::width> children, ends;
+        const uint count = gather_children(index, end, children, ends);
+        const std::size_t self = to.nodes.size();
+        Node& node = to.nodes.emplace_back();
+        Box boxes[Node::width];
+        for (uint i = 0; i < count; ++i) boxes[i] = tree.nodes[children[i]].box;
+        for (uint i = 0; i < Node::width; ++i) node.child[i] = word_done;
+        node.set_boxes(boxes);
         // While a child is visited, all its siblings may be waiting.
-        Visit visit{make_child(0, self), 0, tree->nodes[index].box.half_area()};
+        Visit visit{make_child(0, self), 0, tree.nodes[index].box.half_area()};
+        const auto descend = [&](uint i) {
+            const Visit child = emit(to, children[i], ends[i], next_piece);
+            to.nodes[self].child[i] = child.word; // emit() may have moved the nodes
+            visit.stack = std::max(visit.stack, count - 1 + child.stack);
+            visit.cost += child.cost;
+        };
         // Leaves first: those of one node lie side by side.
-        for (const bool leaves : {true, false})
-            for (uint i = 0; i < count; ++i) {
-                if ((tree->nodes[children[i]].count > 0) != leaves) continue;
-                const Visit child = emit(children[i]);
-                wide.nodes[self].child[i] = child.word; // emit() may have moved the nodes
-                visit.stack = std::max(visit.stack, count - 1 + child.stack);
-                visit.cost += child.cost;
-            }
+        for (uint i = 0; i < count; ++i)
+            if (tree.nodes[children[i]].count > 0) descend(i);
+        for (uint i = 0; i < count; ++i)
+            if (tree.nodes[children[i]].count == 0) descend(i);
         return visit;
     }
 
-    void fill_triangles()
+    void place(Piece<Node>& piece, WideTree<Node>& wide) const
     {
-        wide.triangles.resize(first_triangles + triangle_leaves.size());
-        parallel_ranges(triangle_leaves.size(), 4096, [&](std::size_t begin, std::size_t end) {
-            for (std::size_t i = begin; i < end; ++i)
-                fill(wide.triangles[first_triangles + i], tree->nodes[triangle_leaves[i]]);
-        });
-    }
-
-    void fill(TriangleBlock& block, const BinaryNode& leaf) const
-    {
-        block = {};
-        for (uint lane = 0; lane < max_leaf_size; ++lane) {
-            const bool used = lane < leaf.count;
-            block.id[lane] = used ? tree->order[leaf.link + lane].index : none;
-            const Triangle tri = used ? scene.triangles[block.id[lane]] : Triangle{};
-            const uint corners[3] = {tri.v0, tri.v1, tri.v2};
-            for (int vertex = 0; vertex < 3; ++vertex) {
-                const vec3 p = used ? scene.positions[corners[vertex]] : vec3(std::numeric_limits<float>::quiet_NaN());
-                for (int axis = 0; axis < 3; ++axis) block.v[vertex][axis][lane] = p[axis];
-            }
+        Node* node = wide.nodes.data() + piece.first_node;
+        for (Node& from : piece.nodes) {
+            *node = from;
+            if (piece.first_node > 0)
+                for (uint i = 0; i < Node::width; ++i)
+                    if (node->child[i] != word_done) node->child[i] = moved(piece, node->child[i]);
+            ++node;
         }
-    }
-
-    void fill_orders()
-    {
-        parallel_ranges(wide.nodes.size() - first_node, 4096, [&](std::size_t begin, std::size_t end) {
-            for (std::size_t i = begin; i < end; ++i) order_children(wide.nodes[first_node + i]);
-        });
-    }
-
-    // Children by their centre along the diagonal of the octant. Unused ones come first, that is, as the farthest.
-    static void order_children(WideNode& node)
-    {
-        for (uint octant = 0; octant < 8; ++octant) {
-            std::array<float, node_width> key;
-            std::array<uint, node_width> slots = {0, 1, 2, 3, 4, 5, 6, 7};
-            for (uint i = 0; i < node_width; ++i) {
-                key[i] = 0.0f;
-                for (uint axis = 0; axis < 3; ++axis) {
-                    const float center = 0.5f * node.planes[axis][i] + 0.5f * node.planes[3 + axis][i];
-                    key[i] += (octant >> axis & 1u) ? -center : center;
-                }
-                if (node.planes[0][i] > node.planes[3][i]) key[i] = std::numeric_limits<float>::infinity();
-            }
-            std::stable_sort(slots.begin(), slots.end(), [&](uint a, uint b) { return key[a] > key[b]; });
-            node.order[octant] = 0;
-            for (uint i = 0; i < node_width; ++i) node.order[octant] |= slots[i] << (4 * i);
-        }
+        std::copy(piece.lines.begin(), piece.lines.end(), wide.lines.begin() + std::ptrdiff_t(piece.first_line));
+        std::copy(piece.spheres.begin(), piece.spheres.end(),
+                  wide.spheres.begin() + std::ptrdiff_t(piece.first_sphere));
+        piece.nodes = {};
+        piece.lines = {};
     }
 };
 
 } // namespace
 
-std::size_t WideBvh::bytes() const
+template <class Node>
+uint WideBvh<Node>::stack_size() const
 {
-    return sizeof(WideNode) * nodes.capacity() + sizeof(TriangleBlock) * triangles.capacity() +
-           sizeof(SphereBlock) * spheres.capacity() + sizeof(WideRoot) * groups.capacity();
+    uint most = first().stack_size;
+    return most + 1; // the word that ends it
 }
 
-WideBvh make_wide(const PackedScene& scene, const BinaryTree& world, std::span<const BinaryTree> groups)
+template <class Node>
+std::size_t WideBvh<Node>::bytes() const
 {
-    WideBvh wide;
-    Converter converter(scene, wide);
-    std::vector<Converted> results;
-    for (const BinaryTree& group : groups) {
-        results.push_back(converter.convert(group, {}));
-        wide.groups.push_back(results.back().root);
-    }
-    const Converted root = converter.convert(world, results);
-    wide.world = root.root;
-    wide.sah_cost = root.cost;
-    wide.stack_size = root.stack + 1; // the word that ends it
-    wide.nodes.shrink_to_fit();
-    wide.spheres.shrink_to_fit();
-    wide.triangles.shrink_to_fit();
-    return wide;
+    std::size_t sum = world.bytes() + top.bytes() + sizeof(WideTree<Node>) * groups.capacity();
+    for (const WideTree<Node>& group : groups) sum += group.bytes();
+    return sum;
 }
 
-WideBvh build_wide(const PackedScene& scene, const BuildOptions& options)
+template <class Node>
+std::size_t WideBvh<Node>::nodes() const
 {
-    std::vector<BinaryTree> groups;
+    std::size_t sum = world.nodes.size() + top.nodes.size();
+    for (const WideTree<Node>& group : groups) sum += group.nodes.size();
+    return sum;
+}
+
+template <class Node>
+std::size_t WideBvh<Node>::leaves() const
+{
+    std::size_t sum = world.leaves + top.leaves;
+    for (const WideTree<Node>& group : groups) sum += group.leaves;
+    return sum;
+}
+
+template <class Node>
+WideTree<Node> make_wide_tree(const PackedScene& scene, const BinaryTree& tree, std::span<const Below> below)
+{
+    return Converter<Node>(scene, tree, below).run();
+}
+
+template <class Node>
+WideTree<Node> make_top_tree(const PackedScene& scene, const WideBvh<Node>& bvh, const BuildOptions& options)
+{
     std::vector<Box> boxes;
-    for (const PackedGroup& group : scene.groups) {
-        groups.push_back(build_tree(scene, collect_primitives(scene, group), options));
-        boxes.push_back(groups.back().nodes.empty() ? Box() : groups.back().nodes[0].box);
+    std::vector<Below> below;
+    for (const WideTree<Node>& group : bvh.groups) {
+        boxes.push_back(group.box);
+        below.push_back({group.sah_cost, group.stack_size});
     }
-    std::vector<PrimitiveRef> refs = collect_primitives(scene, scene.world);
+    below.push_back({bvh.world.sah_cost, bvh.world.stack_size});
+    std::vector<PrimitiveRef> refs;
     collect_instances(scene, boxes, refs);
-    return make_wide(scene, build_tree(scene, std::move(refs), options), groups);
+    if (bvh.world.root != word_done)
+        refs.push_back({bvh.world.box.lower, word_world & child_index_mask, bvh.world.box.upper, RefKind::instance});
+    return make_wide_tree<Node>(scene, build_tree(scene, std::move(refs), options), below);
 }
+
+template <class Node>
+WideBvh<Node> make_wide(const PackedScene& scene, const BuildOptions& options)
+{
+    WideBvh<Node> bvh;
+    const auto build = [&](const PackedGroup& group) {
+        return make_wide_tree<Node>(scene, build_tree(scene, collect_primitives(scene, group), options));
+    };
+    bvh.world = build(scene.world);
+    bvh.groups.resize(scene.groups.size());
+    parallel_for(scene.groups.size(), [&](std::size_t i) { bvh.groups[i] = build(scene.groups[i]); });
+    if (!scene.instances.empty()) bvh.top = make_top_tree(scene, bvh, options);
+    return bvh;
+}
+
+#define SNELL_INSTANTIATE(Node)                                                                                        \
+    template struct WideBvh<Node>;                                                                                     \
+    template WideTree<Node> make_wide_tree<Node>(const PackedScene&, const BinaryTree&, std::span<const Below>);       \
+    template WideTree<Node> make_top_tree<Node>(const PackedScene&, const WideBvh<Node>&, const BuildOptions&);        \
+    template WideBvh<Node> make_wide<Node>(const PackedScene&, const BuildOptions&);
+SNELL_INSTANTIATE(Node2)
+SNELL_INSTANTIATE(Node4)
+SNELL_INSTANTIATE(Node8)
+SNELL_INSTANTIATE(QuantisedNode)
 
 } // namespace snell

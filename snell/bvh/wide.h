@@ -1,79 +1,78 @@
-// The layout that the SIMD traversal reads: 8-wide nodes and blocks of primitives, two levels in one set of arrays.
+// The layouts that traversal reads: trees of wide nodes over blocks of primitives, converted from binary trees.
 #pragma once
 
 #include "snell/bvh/big_pages.h"
 #include "snell/bvh/build.h"
+#include "snell/bvh/node.h"
+#include "snell/bvh/tree.h"
+#include "snell/bvh/triangle_block.h"
 #include "snell/scene/packed.h"
 
 #include <span>
 
 namespace snell {
 
-// A child of a node: kind << 30 | index. Kind 0 is an inner node, else a RefKind: a block of triangles, a block of
-// spheres, an instance.
-using ChildWord = uint;
-inline constexpr uint child_index_mask = 0x3fffffffu;
-// Two words that only the traversal's stack holds; no tree can have an instance of such a number.
-inline constexpr ChildWord word_done = 0xffffffffu;
-inline constexpr ChildWord word_leave_instance = 0xfffffffeu;
-
-inline ChildWord make_child(uint kind, std::size_t index)
-{
-    return kind << 30 | static_cast<uint>(index);
-}
-
-inline constexpr uint node_width = 8;
-
-// Four cache lines. Unused children have an empty box (+inf to -inf), which no ray enters.
-struct alignas(64) WideNode
-{
-    float planes[6][node_width]; // lower x, y, z, upper x, y, z
-    ChildWord child[node_width];
-    uint
-        order[8]; // by octant (bit i: direction negative on axis i): children from far to near, 4 bits each, far lowest
-};
-static_assert(sizeof(WideNode) == 256);
-
-struct alignas(64) TriangleBlock
-{
-    float v[3][3][max_leaf_size]; // vertex, axis, lane; unused lanes are NaN and so never hit
-    uint id[max_leaf_size];       // into PackedScene::triangles; none: unused
-    uint pad[8];
-};
-static_assert(sizeof(TriangleBlock) == 192);
-
 struct SphereBlock
 {
     uint id[max_leaf_size]; // into PackedScene::spheres; used ones first, then none
 };
 
-// A tree of its own space: world, or that of one group.
-struct alignas(16) WideRoot
+// A tree of its own space: the world's, that of one group, or the one over the instances.
+template <class Node>
+struct WideTree
 {
-    float lower[4] = {}, upper[4] = {}; // of the box; the fourth components are 0
-    ChildWord word = word_done;         // word_done: nothing to hit
-};
-
-struct WideBvh
-{
-    BigVector<WideNode> nodes;
-    BigVector<TriangleBlock> triangles;
-    BigVector<SphereBlock> spheres;
-    WideRoot world;
-    std::vector<WideRoot> groups; // by Instance::group
-
-    // Entries of the traversal's stack that no ray can exceed, computed from this very tree (see wide.cpp).
+    BigVector<Node> nodes; // children after their parents
+    BigVector<Line> lines; // triangle blocks, and one line that may be read but means nothing
+    std::vector<SphereBlock> spheres;
+    Box box;                    // of the root
+    ChildWord root = word_done; // word_done: nothing to hit
+    // Entries of the traversal's stack that may be waiting while anything below the root is visited, at most; computed
+    // from this very tree.
     uint stack_size = 0;
-    double sah_cost = 0; // of the world's tree, an instance counting as its group's tree
+    double sah_cost = 0; // expected cost of a ray that enters the box
     std::size_t leaves = 0;
 
-    std::size_t bytes() const;
+    std::size_t bytes() const
+    {
+        return sizeof(Node) * nodes.capacity() + sizeof(Line) * lines.capacity() +
+               sizeof(SphereBlock) * spheres.capacity();
+    }
 };
 
-// Trees by group and the world's, whose leaves may be instances.
-WideBvh make_wide(const PackedScene& scene, const BinaryTree& world, std::span<const BinaryTree> groups);
+// Two levels. Without instances rays begin in `world`, else in `top`, whose leaves are instances and the whole world
+// tree (word_world).
+template <class Node>
+struct WideBvh
+{
+    WideTree<Node> world, top;
+    std::vector<WideTree<Node>> groups; // by Instance::group
+
+    bool has_instances() const { return top.root != word_done; }
+    const WideTree<Node>& first() const { return has_instances() ? top : world; }
+    // Entries of the traversal's stack that no ray can exceed.
+    uint stack_size() const;
+    double sah_cost() const { return first().sah_cost; } // an instance counts as its group's tree
+    std::size_t bytes() const;
+    std::size_t nodes() const;
+    std::size_t leaves() const;
+};
+
+// In parallel; the same for any number of threads. costs and stacks of what instance leaves lead to: by group, and last
+// those of the world; empty for trees without instances.
+struct Below
+{
+    double cost = 0;
+    uint stack = 0;
+};
+template <class Node>
+WideTree<Node> make_wide_tree(const PackedScene& scene, const BinaryTree& tree, std::span<const Below> below = {});
+
+// The tree over the instances of a scene and the world's tree, once the others are there.
+template <class Node>
+WideTree<Node> make_top_tree(const PackedScene& scene, const WideBvh<Node>& bvh, const BuildOptions& options);
 
 // Collects, builds and converts all of a scene.
-WideBvh build_wide(const PackedScene& scene, const BuildOptions& options = {});
+template <class Node>
+WideBvh<Node> make_wide(const PackedScene& scene, const BuildOptions& options = {});
 
 } // namespace snell

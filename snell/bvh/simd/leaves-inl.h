@@ -15,30 +15,90 @@ namespace HWY_NAMESPACE {
 
 namespace hn = hwy::HWY_NAMESPACE;
 
-// What both triangle tests hand over: t of the four lanes, and u and v times the determinant.
-struct FourTriangles
+using TriangleTag = hn::CappedTag<float, max_leaf_size>;
+using TriangleVec = hn::Vec<TriangleTag>;
+
+// The three vertices of a block's triangles, or of part of them where vectors are short: looked up in the block's short
+// lists of coordinates.
+class Corners
 {
-    hn::Vec<hn::FixedTag<float, 4>> t, u, v, det;
-    hn::Mask<hn::FixedTag<float, 4>> ok, unsure; // unsure: the kernel function must decide, whatever ok says
+  public:
+    HWY_INLINE Corners(const TriangleBlock& from, uint first) : block_(from), first_(first)
+    {
+#if HWY_TARGET <= HWY_AVX3
+        for (uint v = 0; v < 3; ++v) lanes_[v] = hn::Shr(hn::Set(Index(), from.corner[v]), four_bits());
+#elif HWY_TARGET == HWY_AVX2
+        for (uint v = 0; v < 3; ++v) lanes_[v] = hn::Shr(hn::Set(Index(), from.corner[v]), four_bits());
+#endif
+    }
+
+    HWY_INLINE TriangleVec get(uint vertex, uint axis) const
+    {
+        const float* list = block_.axis(axis); // what lies behind it may be read
+#if HWY_TARGET <= HWY_AVX3
+        const Table d;
+        const auto lanes = hn::IndicesFromVec(d, hn::And(lanes_[vertex], hn::Set(Index(), 15u)));
+        return hn::LowerHalf(TriangleTag(), hn::TableLookupLanes(hn::LoadU(d, list), lanes));
+#elif HWY_TARGET == HWY_AVX2
+        const Table d;
+        const auto lanes = hn::IndicesFromVec(d, hn::And(lanes_[vertex], hn::Set(Index(), 7u)));
+        const auto low = hn::TableLookupLanes(hn::LoadU(d, list), lanes);
+        const auto high = hn::TableLookupLanes(hn::LoadU(d, list + 8), lanes);
+        const auto in_high = hn::MaskFromVec(hn::BitCast(d, hn::ShiftLeft<28>(lanes_[vertex])));
+        return hn::IfThenElse(in_high, high, low);
+#else
+        constexpr uint n = hn::MaxLanes(TriangleTag());
+        alignas(16) float x[n];
+        const uint corners = block_.corner[vertex] >> (4 * first_);
+        for (uint lane = 0; lane < n; ++lane) x[lane] = list[corners >> (4 * lane) & 15u];
+        return hn::Load(TriangleTag(), x);
+#endif
+    }
+
+  private:
+    const TriangleBlock& block_;
+    [[maybe_unused]] const uint first_;
+#if HWY_TARGET <= HWY_AVX3
+    using Table = hn::FixedTag<float, 16>;
+#else
+    using Table = TriangleTag;
+#endif
+#if HWY_TARGET <= HWY_AVX2
+    using Index = hn::RebindToUnsigned<Table>;
+    hn::Vec<Index> lanes_[3];
+    static HWY_INLINE hn::Vec<Index> four_bits()
+    {
+        return hn::ShiftLeft<2>(hn::Iota(Index(), 0));
+    }
+#endif
 };
 
-// intersect_triangle_watertight, operation by operation, on four triangles.
-HWY_INLINE FourTriangles watertight(const TriangleBlock& block, const RayState& s)
+// What both triangle tests hand over: t of the lanes, and u and v times the determinant.
+struct TriangleHits
 {
-    const hn::FixedTag<float, 4> d;
+    TriangleVec t, u, v, det;
+    uint ok, unsure; // bits of lanes; unsure: the kernel function must decide, whatever ok says
+};
+
+// intersect_triangle_watertight, operation by operation, on vectors of triangles.
+template <class Node>
+HWY_INLINE bool watertight(const TriangleBlock& block, uint first, const RayState<Node>& s, TriangleHits& hits)
+{
+    const TriangleTag d;
+    const Corners corners(block, first);
     const auto ox = hn::Set(d, s.shear_origin[0]), oy = hn::Set(d, s.shear_origin[1]);
     const auto oz = hn::Set(d, s.shear_origin[2]);
-    const auto sx = hn::Set(d, s.shear.sx), sy = hn::Set(d, s.shear.sy), sz = hn::Set(d, s.shear.sz);
-    const int kx = s.shear.kx, ky = s.shear.ky, kz = s.shear.kz;
-    const auto az = hn::Sub(hn::Load(d, block.v[0][kz]), oz);
-    const auto bz = hn::Sub(hn::Load(d, block.v[1][kz]), oz);
-    const auto cz = hn::Sub(hn::Load(d, block.v[2][kz]), oz);
-    const auto ax = hn::Sub(hn::Sub(hn::Load(d, block.v[0][kx]), ox), hn::Mul(sx, az));
-    const auto ay = hn::Sub(hn::Sub(hn::Load(d, block.v[0][ky]), oy), hn::Mul(sy, az));
-    const auto bx = hn::Sub(hn::Sub(hn::Load(d, block.v[1][kx]), ox), hn::Mul(sx, bz));
-    const auto by = hn::Sub(hn::Sub(hn::Load(d, block.v[1][ky]), oy), hn::Mul(sy, bz));
-    const auto cx = hn::Sub(hn::Sub(hn::Load(d, block.v[2][kx]), ox), hn::Mul(sx, cz));
-    const auto cy = hn::Sub(hn::Sub(hn::Load(d, block.v[2][ky]), oy), hn::Mul(sy, cz));
+    const auto sx = hn::Set(d, s.shear[0]), sy = hn::Set(d, s.shear[1]);
+    const uint kx = s.shear_axes[0], ky = s.shear_axes[1], kz = s.shear_axes[2];
+    const auto az = hn::Sub(corners.get(0, kz), oz);
+    const auto bz = hn::Sub(corners.get(1, kz), oz);
+    const auto cz = hn::Sub(corners.get(2, kz), oz);
+    const auto ax = hn::Sub(hn::Sub(corners.get(0, kx), ox), hn::Mul(sx, az));
+    const auto ay = hn::Sub(hn::Sub(corners.get(0, ky), oy), hn::Mul(sy, az));
+    const auto bx = hn::Sub(hn::Sub(corners.get(1, kx), ox), hn::Mul(sx, bz));
+    const auto by = hn::Sub(hn::Sub(corners.get(1, ky), oy), hn::Mul(sy, bz));
+    const auto cx = hn::Sub(hn::Sub(corners.get(2, kx), ox), hn::Mul(sx, cz));
+    const auto cy = hn::Sub(hn::Sub(corners.get(2, ky), oy), hn::Mul(sy, cz));
 
     const auto w0 = hn::Sub(hn::Mul(cx, by), hn::Mul(cy, bx));
     const auto w1 = hn::Sub(hn::Mul(ax, cy), hn::Mul(ay, cx));
@@ -47,19 +107,26 @@ HWY_INLINE FourTriangles watertight(const TriangleBlock& block, const RayState& 
     // in the kernel). Negative: outside.
     const auto side = hn::Mul(hn::Min(w0, hn::Min(w1, w2)), hn::Max(w0, hn::Max(w1, w2)));
     const auto det = hn::Add(hn::Add(w0, w1), w2);
+    const auto sz = hn::Set(d, s.shear[2]);
     const auto weighted =
         hn::Add(hn::Add(hn::Mul(w0, hn::Mul(sz, az)), hn::Mul(w1, hn::Mul(sz, bz))), hn::Mul(w2, hn::Mul(sz, cz)));
     const auto t = hn::Div(weighted, det); // NaN where det is 0 or anything was NaN
-    const auto inside = hn::And(hn::Gt(t, hn::Set(d, s.t_min)), hn::Le(t, hn::Set(d, s.best)));
+    const auto near = hn::And(hn::Gt(t, hn::Set(d, s.t_min)), hn::Le(t, hn::Set(d, s.best)));
     const auto zero = hn::Zero(d);
-    return {t, w1, w2, det, hn::And(hn::Gt(side, zero), inside), hn::Eq(side, zero)};
+    const uint used = block.lanes >> first;
+    hits.ok = mask_bits(d, hn::And(hn::Gt(side, zero), near)) & used;
+    hits.unsure = mask_bits(d, hn::Eq(side, zero)) & used;
+    hits.t = t, hits.u = w1, hits.v = w2, hits.det = det;
+    return (hits.ok | hits.unsure) != 0;
 }
 
 // The same for intersect_triangle_moller_trumbore.
-HWY_INLINE FourTriangles moller_trumbore(const TriangleBlock& block, const RayState& s)
+template <class Node>
+HWY_INLINE bool moller_trumbore(const TriangleBlock& block, uint first, const RayState<Node>& s, TriangleHits& hits)
 {
-    const hn::FixedTag<float, 4> d;
-    const auto vertex = [&](int i, int axis) HWY_ATTR { return hn::Load(d, block.v[i][axis]); };
+    const TriangleTag d;
+    const Corners corners(block, first);
+    const auto vertex = [&](uint i, uint axis) HWY_ATTR { return corners.get(i, axis); };
     const auto cross_term = [](auto a, auto b, auto c, auto e)
                                 HWY_ATTR { return hn::Sub(hn::Mul(a, b), hn::Mul(c, e)); };
     const auto e1x = hn::Sub(vertex(1, 0), vertex(0, 0)), e2x = hn::Sub(vertex(2, 0), vertex(0, 0));
@@ -81,30 +148,32 @@ HWY_INLINE FourTriangles moller_trumbore(const TriangleBlock& block, const RaySt
     const auto zero = hn::Zero(d);
     const auto inside = hn::And(hn::And(hn::Ge(u, zero), hn::Ge(v, zero)), hn::Le(hn::Add(u, v), hn::Set(d, 1.0f)));
     const auto near = hn::And(hn::Gt(t, hn::Set(d, s.t_min)), hn::Le(t, hn::Set(d, s.best)));
-    return {t, u_det, v_det, det, hn::And(hn::And(inside, near), hn::Ne(det, zero)), hn::FirstN(d, 0)};
+    hits.ok = mask_bits(d, hn::And(hn::And(inside, near), hn::Ne(det, zero))) & block.lanes >> first;
+    hits.unsure = 0;
+    hits.t = t, hits.u = u_det, hits.v = v_det, hits.det = det;
+    return hits.ok != 0;
 }
 
-HWY_INLINE void accept(RayState& s, float t, float u, float v, uint primitive, uint instance)
+template <class Node>
+HWY_INLINE void accept(RayState<Node>& s, float t, float u, float v, uint primitive, uint instance)
 {
     s.best = t;
     s.hit = {t, u, v, primitive, instance};
 }
 
 // Query::next leaves out what does not come behind the hit to go on from.
-template <Query query>
-HWY_INLINE bool is_wanted(const RayState& s, float t, uint primitive)
+template <Query query, class Node>
+HWY_INLINE bool is_wanted(const RayState<Node>& s, float t, uint primitive)
 {
     return query != Query::next || is_later_hit(t, primitive, s.instance, s.after);
 }
 
 // One triangle of a block by the kernel function, for rays that meet an edge to within rounding.
-template <Query query>
-HWY_NOINLINE bool visit_triangle_exactly(const TriangleBlock& block, uint lane, RayState& s)
+template <Query query, class Node>
+HWY_NOINLINE bool visit_triangle_exactly(const TriangleBlock& block, uint lane, RayState<Node>& s)
 {
-    vec3 v[3];
-    for (int vertex = 0; vertex < 3; ++vertex)
-        for (int axis = 0; axis < 3; ++axis) v[vertex][axis] = block.v[vertex][axis][lane];
-    const Intersection r = intersect_triangle_watertight(s.ray, s.shear, v[0], v[1], v[2]);
+    const Intersection r = intersect_triangle_watertight(s.ray, shear_of(s), block.vertex(lane, 0),
+                                                         block.vertex(lane, 1), block.vertex(lane, 2));
     const uint primitive = pack_primitive(kind_triangle, block.id[lane]);
     if (!r.ok || !is_wanted<query>(s, r.t, primitive) || !is_better_hit(r.t, primitive, s.instance, s.hit))
         return false;
@@ -112,31 +181,26 @@ HWY_NOINLINE bool visit_triangle_exactly(const TriangleBlock& block, uint lane, 
     return true;
 }
 
-template <Query query, TriangleTest test>
-HWY_INLINE bool visit_triangles(const TriangleBlock& block, RayState& s)
+// Looks at the hits that the tests found. True if one of them counts.
+template <Query query, class Node>
+HWY_INLINE bool take_hits(const TriangleBlock& block, uint first, const TriangleHits& hits, RayState<Node>& s)
 {
-    const hn::FixedTag<float, 4> d;
-    const FourTriangles r = test == TriangleTest::watertight ? watertight(block, s) : moller_trumbore(block, s);
-    if (query == Query::counted)
-        for (const uint id : block.id) s.steps += id != none;
-    if (HWY_LIKELY(hn::AllFalse(d, hn::Or(r.ok, r.unsure)))) return false;
-    const uint ok = mask_bits(d, r.ok);
-    if (query == Query::any && ok != 0) return true;
-    const uint unsure = mask_bits(d, r.unsure);
-
-    alignas(16) float t[4], u[4], v[4], det[4];
-    hn::Store(r.t, d, t);
-    hn::Store(r.u, d, u);
-    hn::Store(r.v, d, v);
-    hn::Store(r.det, d, det);
+    if (query == Query::any && hits.ok != 0) return true;
+    const TriangleTag d;
+    constexpr uint n = hn::MaxLanes(d);
+    alignas(32) float t[n], u[n], v[n], det[n];
+    hn::Store(hits.t, d, t);
+    hn::Store(hits.u, d, u);
+    hn::Store(hits.v, d, v);
+    hn::Store(hits.det, d, det);
     bool improved = false;
-    for (uint rest = ok | unsure; rest != 0; rest &= rest - 1) {
+    for (uint rest = hits.ok | hits.unsure; rest != 0; rest &= rest - 1) {
         const auto lane = static_cast<uint>(hwy::Num0BitsBelowLS1Bit_Nonzero32(rest));
-        if (HWY_UNLIKELY(unsure >> lane & 1u)) {
-            improved = visit_triangle_exactly<query>(block, lane, s) || improved;
+        if (HWY_UNLIKELY(hits.unsure >> lane & 1u)) {
+            improved = visit_triangle_exactly<query>(block, first + lane, s) || improved;
             continue;
         }
-        const uint primitive = pack_primitive(kind_triangle, block.id[lane]);
+        const uint primitive = pack_primitive(kind_triangle, block.id[first + lane]);
         if (!is_wanted<query>(s, t[lane], primitive) || !is_better_hit(t[lane], primitive, s.instance, s.hit)) continue;
         accept(s, t[lane], u[lane] / det[lane], v[lane] / det[lane], primitive, s.instance);
         improved = true;
@@ -144,14 +208,31 @@ HWY_INLINE bool visit_triangles(const TriangleBlock& block, RayState& s)
     return improved;
 }
 
-template <Query query>
-HWY_INLINE bool visit_spheres(const TraceInput& input, const SphereBlock& block, RayState& s)
+template <Query query, TriangleTest test, class Node>
+HWY_INLINE bool visit_triangles(const TriangleBlock* block, RayState<Node>& s)
+{
+    constexpr uint n = hn::MaxLanes(TriangleTag());
+    bool improved = false;
+    for (;; block = &block_at(reinterpret_cast<const Line*>(block), block->size())) {
+        for (uint first = 0; first < max_leaf_size; first += n) {
+            TriangleHits hits;
+            const bool met = test == TriangleTest::watertight ? watertight(*block, first, s, hits)
+                                                              : moller_trumbore(*block, first, s, hits);
+            if (met) improved = take_hits<query>(*block, first, hits, s) || improved;
+        }
+        if (query == Query::counted) s.steps += block->count;
+        if (HWY_LIKELY(!block->more) || (query == Query::any && improved)) return improved;
+    }
+}
+
+template <Query query, class Node>
+HWY_INLINE bool visit_spheres(const PackedScene& scene, const SphereBlock& block, RayState<Node>& s)
 {
     bool improved = false;
     for (const uint id : block.id) {
         if (id == none) break;
         if (query == Query::counted) ++s.steps;
-        const Sphere& ball = input.scene->spheres[id];
+        const Sphere& ball = scene.spheres[id];
         Intersection r = intersect_sphere(s.ray, ball.center, ball.radius);
         const uint primitive = pack_primitive(kind_sphere, id);
         if (query == Query::next && r.ok && !is_wanted<query>(s, r.t, primitive)) { // the far side may be

@@ -34,31 +34,40 @@ HWY_INLINE uint mask_bits(D d, hn::Mask<D> mask)
     return bits[0];
 }
 
-// Prepares for a tree in the space of `ray`, which is traceable; the root's box is not empty.
-HWY_INLINE void enter_space(RayState& s, const Ray& ray, const WideRoot& root, uint instance)
+// Prepares for a tree in the space of `ray`, which is traceable; the tree is not empty.
+template <class Node>
+HWY_INLINE void enter_space(RayState<Node>& s, const Ray& ray, const WideTree<Node>& tree, uint instance)
 {
     const hn::FixedTag<float, 4> d; // x, y, z, and a lane of no meaning
     const auto origin = hn::LoadU(d, &ray.origin.x);
     const auto direction = hn::LoadU(d, &ray.direction.x);
     const auto reciprocal = hn::Div(hn::Set(d, 1.0f), direction);
-    const auto lower = hn::Load(d, root.lower), upper = hn::Load(d, root.upper);
-    const auto distance = hn::Max(hn::Abs(hn::Sub(lower, origin)), hn::Abs(hn::Sub(upper, origin)));
-    const auto coordinate = hn::Max(hn::Abs(origin), hn::Max(hn::Abs(lower), hn::Abs(upper)));
+    const auto lower = hn::LoadU(d, &tree.box.lower.x), upper = hn::LoadU(d, &tree.box.upper.x - 1);
+    const auto upper_xyz = hn::Shuffle0321(upper); // what lies behind the box is not ours to read
+    const auto distance = hn::Max(hn::Abs(hn::Sub(lower, origin)), hn::Abs(hn::Sub(upper_xyz, origin)));
+    const auto coordinate = hn::Max(hn::Abs(origin), hn::Max(hn::Abs(lower), hn::Abs(upper_xyz)));
     alignas(16) float distances[4], coordinates[4];
     hn::Store(distance, d, distances);
     hn::Store(coordinate, d, coordinates);
     const float reach = max(max(distances[0], distances[1]), distances[2]);
     const float limit = 1e36f / (max(max(coordinates[0], coordinates[1]), coordinates[2]) + 1e-2f);
 
-    const auto relative = hn::Mul(hn::Abs(origin), hn::Set(d, 0x1p-22f));
-    const auto slack = hn::Add(relative, hn::Set(d, reach * 0x1p-21f + 1e-30f));
+    const auto relative = hn::Mul(hn::Abs(origin), hn::Set(d, slack_by_origin));
+    const auto slack = hn::Add(relative, hn::Set(d, reach * slack_by_reach + 1e-30f));
     const auto along = hn::CopySign(slack, reciprocal);
     const auto inverse = hn::Max(hn::Min(reciprocal, hn::Set(d, limit)), hn::Set(d, -limit));
-    hn::Store(inverse, d, s.inverse);
-    hn::Store(hn::Mul(hn::Add(origin, along), inverse), d, s.enter_term);
-    hn::Store(hn::Mul(hn::Sub(origin, along), inverse), d, s.leave_term);
-    s.octant = mask_bits(d, hn::Lt(reciprocal, hn::Zero(d))) & 7u;
+    // Each store overwrites the lane of no meaning that the one before it left.
+    hn::StoreU(inverse, d, s.inverse);
+    hn::StoreU(hn::Mul(hn::Add(origin, along), inverse), d, s.enter_term);
+    hn::StoreU(hn::Mul(hn::Sub(origin, along), inverse), d, s.leave_term);
+    s.t_min = ray.t_min;
+    const uint octant = mask_bits(d, hn::Lt(reciprocal, hn::Zero(d))) & 7u;
+    s.octant = octant;
+    for (uint axis = 0; axis < 3; ++axis) s.enter_row[axis] = 2 * axis + (octant >> axis & 1u);
     s.instance = instance;
+    s.nodes = tree.nodes.data();
+    s.lines = tree.lines.data();
+    s.tree = &tree;
     s.ray = ray;
 
     // shear_ray(), from arrays: vec3's operator[] branches.
@@ -68,52 +77,85 @@ HWY_INLINE void enter_space(RayState& s, const Ray& ray, const WideRoot& root, u
     hn::Store(direction, d, v);
     const int kz = longest_axis(ray.direction);
     const int kx = next_axis[kz], ky = next_axis[kx];
-    s.shear = {kx, ky, kz, v[kx] / v[kz], v[ky] / v[kz], r[kz]};
+    s.shear_axes[0] = static_cast<std::uint8_t>(kx);
+    s.shear_axes[1] = static_cast<std::uint8_t>(ky);
+    s.shear_axes[2] = static_cast<std::uint8_t>(kz);
+    s.shear[0] = v[kx] / v[kz];
+    s.shear[1] = v[ky] / v[kz];
+    s.shear[2] = r[kz];
     s.shear_origin[0] = o[kx];
     s.shear_origin[1] = o[ky];
     s.shear_origin[2] = o[kz];
 }
 
-// The part of the state that slab tests need, in registers.
-struct SlabRay
+template <class Node>
+HWY_INLINE ShearedRay shear_of(const RayState<Node>& s)
 {
-    using Tag = hn::CappedTag<float, node_width>;
-    using Vec = hn::Vec<Tag>;
-    Vec inverse_x, inverse_y, inverse_z, enter_x, enter_y, enter_z, leave_x, leave_y, leave_z, t_min;
-    SlabRows rows;
-};
-
-HWY_INLINE SlabRay load_slab_ray(const RayState& s)
-{
-    const SlabRay::Tag d;
-    return {hn::Set(d, s.inverse[0]),    hn::Set(d, s.inverse[1]),    hn::Set(d, s.inverse[2]),
-            hn::Set(d, s.enter_term[0]), hn::Set(d, s.enter_term[1]), hn::Set(d, s.enter_term[2]),
-            hn::Set(d, s.leave_term[0]), hn::Set(d, s.leave_term[1]), hn::Set(d, s.leave_term[2]),
-            hn::Set(d, s.t_min),         rows_by_octant[s.octant]};
+    return {s.shear_axes[0], s.shear_axes[1], s.shear_axes[2], s.shear[0], s.shear[1], s.shear[2]};
 }
 
-// Where the ray enters and leaves the boxes of a node, or of half of it where vectors are short.
-struct Slabs
+// A vector for the children of a node, or for part of them where vectors are short.
+template <class Node>
+using NodeTag = hn::CappedTag<float, Node::width>;
+
+template <uint width, class D>
+HWY_INLINE hn::Vec<D> load_planes(D d, const FloatNode<width>& node, uint row, std::size_t first)
 {
-    using Tag = SlabRay::Tag;
-    SlabRay::Vec enter, leave;
+    return hn::Load(d, node.planes[row] + first);
+}
+
+template <class D>
+HWY_INLINE hn::Vec<D> load_planes(D d, const QuantisedNode& node, uint row, std::size_t first)
+{
+    const hn::Rebind<std::uint8_t, D> d8;
+    const hn::RebindToSigned<D> di;
+    const auto number = hn::ConvertTo(d, hn::PromoteTo(di, hn::LoadU(d8, node.planes[row] + first)));
+    const uint axis = row / 2;
+    return hn::MulAdd(number, hn::Set(d, (&node.scale.x)[axis]), hn::Set(d, (&node.origin.x)[axis]));
+}
+
+// The part of the state that slab tests need, in registers.
+template <class Node>
+struct SlabRay
+{
+    using Vec = hn::Vec<NodeTag<Node>>;
+    Vec inverse[3], enter[3], leave[3], t_min;
+    uint row[3];
 };
 
-HWY_INLINE Slabs test_slabs(const WideNode& node, const SlabRay& r, float best, std::size_t half)
+template <class Node>
+HWY_INLINE SlabRay<Node> load_slab_ray(const RayState<Node>& s)
 {
-    const Slabs::Tag d;
-    const float* planes = &node.planes[0][0] + half;
-    const auto enter_x = hn::MulSub(hn::Load(d, planes + r.rows.enter[0]), r.inverse_x, r.enter_x);
-    const auto enter_y = hn::MulSub(hn::Load(d, planes + r.rows.enter[1]), r.inverse_y, r.enter_y);
-    const auto enter_z = hn::MulSub(hn::Load(d, planes + r.rows.enter[2]), r.inverse_z, r.enter_z);
-    const auto leave_x = hn::MulSub(hn::Load(d, planes + r.rows.leave[0]), r.inverse_x, r.leave_x);
-    const auto leave_y = hn::MulSub(hn::Load(d, planes + r.rows.leave[1]), r.inverse_y, r.leave_y);
-    const auto leave_z = hn::MulSub(hn::Load(d, planes + r.rows.leave[2]), r.inverse_z, r.leave_z);
+    const NodeTag<Node> d;
+    return {{hn::Set(d, s.inverse[0]), hn::Set(d, s.inverse[1]), hn::Set(d, s.inverse[2])},
+            {hn::Set(d, s.enter_term[0]), hn::Set(d, s.enter_term[1]), hn::Set(d, s.enter_term[2])},
+            {hn::Set(d, s.leave_term[0]), hn::Set(d, s.leave_term[1]), hn::Set(d, s.leave_term[2])},
+            hn::Set(d, s.t_min),
+            {s.enter_row[0], s.enter_row[1], s.enter_row[2]}};
+}
+
+// Where the ray enters and leaves the boxes of a node, or of part of it.
+template <class Node>
+struct Slabs
+{
+    hn::Vec<NodeTag<Node>> enter, leave;
+};
+
+template <class Node>
+HWY_INLINE Slabs<Node> test_slabs(const Node& node, const SlabRay<Node>& r, float best, std::size_t first)
+{
+    const NodeTag<Node> d;
+    const auto enter_x = hn::MulSub(load_planes(d, node, r.row[0], first), r.inverse[0], r.enter[0]);
+    const auto enter_y = hn::MulSub(load_planes(d, node, r.row[1], first), r.inverse[1], r.enter[1]);
+    const auto enter_z = hn::MulSub(load_planes(d, node, r.row[2], first), r.inverse[2], r.enter[2]);
+    const auto leave_x = hn::MulSub(load_planes(d, node, r.row[0] ^ 1u, first), r.inverse[0], r.leave[0]);
+    const auto leave_y = hn::MulSub(load_planes(d, node, r.row[1] ^ 1u, first), r.inverse[1], r.leave[1]);
+    const auto leave_z = hn::MulSub(load_planes(d, node, r.row[2] ^ 1u, first), r.inverse[2], r.leave[2]);
     return {hn::Max(hn::Max(enter_x, enter_y), hn::Max(enter_z, r.t_min)),
             hn::Min(hn::Min(leave_x, leave_y), hn::Min(leave_z, hn::Set(d, best)))};
 }
 
-// Lane numbers in the low three bits, whatever is above.
+// Lane numbers in the low bits, whatever is above.
 template <class D, class V>
 HWY_INLINE auto lanes_of(D d, V numbers)
 {
@@ -121,20 +163,34 @@ HWY_INLINE auto lanes_of(D d, V numbers)
     return hn::IndicesFromVec(d, hn::And(numbers, hn::Set(du, hn::MaxLanes(d) - 1)));
 }
 
-// Pushes the children that the ray meets, the nearest last. Returns the new number of entries.
-template <Query query>
-HWY_INLINE uint push_children(const WideNode& node, const RayState& s, const SlabRay& slab_ray, const Slabs& slabs,
-                              std::size_t stride, uint size)
+// Bits to shift a node's order by, for each lane.
+template <class Node>
+HWY_INLINE auto order_shifts()
 {
-    const Slabs::Tag d;
-    const hn::RebindToUnsigned<Slabs::Tag> du;
+    alignas(64) static constexpr uint shifts[8] = {0,
+                                                   Node::order_bits,
+                                                   2 * Node::order_bits,
+                                                   3 * Node::order_bits,
+                                                   4 * Node::order_bits,
+                                                   5 * Node::order_bits,
+                                                   6 * Node::order_bits,
+                                                   7 * Node::order_bits};
+    return hn::Load(hn::RebindToUnsigned<NodeTag<Node>>(), shifts);
+}
+
+// Pushes the children that the ray meets, the nearest last. Returns the new number of entries.
+template <Query query, class Node>
+HWY_INLINE uint push_children(const Node& node, const RayState<Node>& s, const SlabRay<Node>& slab_ray,
+                              const Slabs<Node>& slabs, std::size_t stride, uint size)
+{
+    const NodeTag<Node> d;
+    const hn::RebindToUnsigned<NodeTag<Node>> du;
     constexpr std::size_t n = hn::MaxLanes(d);
     ChildWord* const words = s.stack + size;
     uint* const distances = words + stride;
-    const uint order = node.order[s.octant];
-    if constexpr (n == node_width) {
-        const auto by_lane = hn::ShiftLeft<2>(hn::Iota(du, 0));
-        const auto front_to_back = hn::Shr(hn::Set(du, order), by_lane);
+    const uint order = node.order(s.octant);
+    if constexpr (n == Node::width) {
+        const auto front_to_back = hn::Shr(hn::Set(du, order), order_shifts<Node>());
         const auto children = hn::Load(du, node.child);
 #if HWY_TARGET <= HWY_AVX3
         const auto enter = hn::TableLookupLanes(slabs.enter, lanes_of(d, front_to_back));
@@ -148,7 +204,7 @@ HWY_INLINE uint push_children(const WideNode& node, const RayState& s, const Sla
         // Highway's Compress copies its table to the stack at each call when GCC 12 compiles it for AVX2.
         const auto met = hn::VecFromMask(d, hn::Le(slabs.enter, slabs.leave));
         const uint bits = mask_bits(d, hn::MaskFromVec(hn::TableLookupLanes(met, lanes_of(d, front_to_back))));
-        const auto kept = hn::Shr(hn::Set(du, lane_lists.lanes[bits]), by_lane);
+        const auto kept = hn::Shr(hn::Set(du, lane_lists.lanes[bits]), hn::ShiftLeft<2>(hn::Iota(du, 0)));
         const auto lanes = hn::TableLookupLanes(front_to_back, lanes_of(du, kept));
         hn::StoreU(hn::TableLookupLanes(children, lanes_of(du, lanes)), du, words);
         if (query != Query::any)
@@ -156,18 +212,18 @@ HWY_INLINE uint push_children(const WideNode& node, const RayState& s, const Sla
         return size + static_cast<uint>(hwy::PopCount(bits));
 #endif
     } else {
-        alignas(16) uint t[node_width];
+        alignas(16) uint t[Node::width];
         uint met = 0;
-        Slabs part = slabs;
-        for (std::size_t half = 0;; part = test_slabs(node, slab_ray, s.best, half)) {
-            hn::Store(hn::BitCast(du, part.enter), du, t + half);
-            met |= mask_bits(d, hn::Le(part.enter, part.leave)) << half;
-            half += n;
-            if (half >= node_width) break;
+        Slabs<Node> part = slabs;
+        for (std::size_t first = 0;; part = test_slabs(node, slab_ray, s.best, first)) {
+            hn::Store(hn::BitCast(du, part.enter), du, t + first);
+            met |= mask_bits(d, hn::Le(part.enter, part.leave)) << first;
+            first += n;
+            if (first >= Node::width) break;
         }
         uint count = 0;
-        for (uint i = 0; i < node_width; ++i) {
-            const uint lane = order >> (4 * i) & (node_width - 1);
+        for (uint i = 0; i < Node::width; ++i) {
+            const uint lane = order >> (Node::order_bits * i) & (Node::width - 1);
             words[count] = node.child[lane];
             distances[count] = t[lane];
             count += met >> lane & 1u;
@@ -177,10 +233,9 @@ HWY_INLINE uint push_children(const WideNode& node, const RayState& s, const Sla
 }
 
 // Stores the lanes in `set` of both vectors side by side and returns how many they are.
-HWY_INLINE uint store_lanes(uint set, hn::Vec<hn::RebindToUnsigned<Slabs::Tag>> a, uint* to_a,
-                            hn::Vec<hn::RebindToUnsigned<Slabs::Tag>> b, uint* to_b)
+template <class DU>
+HWY_INLINE uint store_lanes(DU du, uint set, hn::Vec<DU> a, uint* to_a, hn::Vec<DU> b, uint* to_b)
 {
-    const hn::RebindToUnsigned<Slabs::Tag> du;
     const auto lanes = hn::Shr(hn::Set(du, lane_lists.lanes[set]), hn::ShiftLeft<2>(hn::Iota(du, 0)));
     hn::StoreU(hn::TableLookupLanes(a, lanes_of(du, lanes)), du, to_a);
     hn::StoreU(hn::TableLookupLanes(b, lanes_of(du, lanes)), du, to_b);
@@ -188,10 +243,11 @@ HWY_INLINE uint store_lanes(uint set, hn::Vec<hn::RebindToUnsigned<Slabs::Tag>> 
 }
 
 // Takes what lies beyond the nearest hit off the stack, so that popping needs no comparison.
-HWY_INLINE void drop_farther(RayState& s, std::size_t stride)
+template <class Node>
+HWY_INLINE void drop_farther(RayState<Node>& s, std::size_t stride)
 {
-    const Slabs::Tag d;
-    const hn::RebindToUnsigned<Slabs::Tag> du;
+    const hn::CappedTag<float, 8> d;
+    const hn::RebindToUnsigned<decltype(d)> du;
     constexpr uint n = hn::MaxLanes(d);
     uint* const words = s.stack;
     uint* const distances = s.stack + stride;
@@ -200,7 +256,7 @@ HWY_INLINE void drop_farther(RayState& s, std::size_t stride)
         const auto distance = hn::LoadU(du, distances + i);
         const uint all = s.stack_size - i < n ? (1u << (s.stack_size - i)) - 1 : (1u << n) - 1;
         const uint near = all & mask_bits(d, hn::Le(hn::BitCast(d, distance), hn::Set(d, s.best)));
-        kept += store_lanes(near, hn::LoadU(du, words + i), words + kept, distance, distances + kept);
+        kept += store_lanes(du, near, hn::LoadU(du, words + i), words + kept, distance, distances + kept);
     }
     s.stack_size = kept;
 }

@@ -91,16 +91,16 @@ HWY_INLINE void visit_sphere(Packet& p, const Sphere& ball, uint number)
     });
 }
 
-template <Query query, TriangleTest test, class Finish>
+template <Query query, class Node, class Finish>
 class PacketTracer
 {
   public:
-    PacketTracer(const TraceInput& in, std::span<const Ray> batch, const Finish& when_done)
-        : input(in), bvh(*in.bvh), rays(batch), finish(when_done), stacks(1, in.bvh->stack_size),
-          walker(in, batch, stacks.stride), words(in.bvh->stack_size + node_width),
-          entries(in.bvh->stack_size + node_width)
+    PacketTracer(const TraceInput<Node>& in, std::span<const Ray> batch, const Finish& when_done)
+        : input(in), bvh(*in.bvh), rays(batch), finish(when_done), stacks(1, in.bvh->stack_size()),
+          walker(in, batch, stacks.stride), words(in.bvh->stack_size() + Node::width),
+          entries(in.bvh->stack_size() + Node::width)
     {
-        for (RayState& s : states) s.stack = stacks.stack(0);
+        for (State& s : states) s.stack = stacks.stack(0);
     }
 
     // Rays of the same octant and longest axis wait for each other until they are a packet.
@@ -108,7 +108,7 @@ class PacketTracer
     {
         for (std::size_t i = 0; i < rays.size(); ++i) {
             const Ray& ray = rays[i];
-            if (!is_traceable(ray) || bvh.world.word == word_done) {
+            if (!is_traceable(ray) || bvh.first().root == word_done) {
                 trace_alone(i);
                 continue;
             }
@@ -133,16 +133,18 @@ class PacketTracer
         float enter[packet_size]; // where each ray enters the box; +infinity: never
     };
 
-    const TraceInput& input;
-    const WideBvh& bvh;
+    using State = RayState<Node>;
+
+    const TraceInput<Node>& input;
+    const WideBvh<Node>& bvh;
     const std::span<const Ray> rays;
     const Finish& finish;
     Stacks stacks; // of a ray that goes its own way
-    const Walker<query, test> walker;
+    const Walker<query, TriangleTest::watertight, Node> walker;
     std::vector<ChildWord> words;
     std::vector<Entry> entries;
     Waiting waiting[24];
-    RayState states[packet_size];
+    State states[packet_size];
     uint prepared = 0; // bits of the states that belong to the current packet's rays
 
     // Fewer than this are traced one by one.
@@ -150,7 +152,7 @@ class PacketTracer
 
     void trace_alone(std::size_t index)
     {
-        RayState& s = states[0];
+        State& s = states[0];
         if (walker.start(s, index)) walk(walker, s);
         finish(index, s.hit);
     }
@@ -162,7 +164,7 @@ class PacketTracer
         } else {
             Packet p;
             gather(p, group);
-            traverse(p);
+            traverse_all(p);
             for (uint lane = 0; lane < p.count; ++lane)
                 finish(p.ray_index[lane], Hit{p.t[lane], p.u[lane], p.v[lane], p.primitive[lane], p.instance[lane]});
         }
@@ -214,15 +216,14 @@ class PacketTracer
 
     // Runs visit(state) for the ray of a lane, with what it has found, and takes over what it finds.
     template <class Visit>
-    HWY_INLINE void visit_alone(Packet& p, uint lane, const Visit& visit)
+    HWY_INLINE void visit_alone(Packet& p, uint lane, const WideTree<Node>& tree, const Visit& visit)
     {
-        RayState& s = states[lane];
+        State& s = states[lane];
         if (!(prepared >> lane & 1u)) {
             prepared |= 1u << lane;
             s.ray_index = p.ray_index[lane];
-            s.t_min = p.t_min[lane];
             s.steps = 0;
-            enter_space(s, rays[s.ray_index], bvh.world, none);
+            enter_space(s, rays[s.ray_index], tree, none);
         }
         s.best = p.best[lane];
         s.hit = {p.t[lane], p.u[lane], p.v[lane], p.primitive[lane], p.instance[lane]};
@@ -236,10 +237,10 @@ class PacketTracer
     }
 
     // Everything below a child, for the rays in `lanes` one by one.
-    HWY_NOINLINE void visit_one_by_one(Packet& p, uint lanes, ChildWord word)
+    HWY_NOINLINE void visit_one_by_one(Packet& p, uint lanes, const WideTree<Node>& tree, ChildWord word)
     {
         for (; lanes != 0; lanes &= lanes - 1)
-            visit_alone(p, static_cast<uint>(hwy::Num0BitsBelowLS1Bit_Nonzero32(lanes)), [&](RayState& s) HWY_ATTR {
+            visit_alone(p, static_cast<uint>(hwy::Num0BitsBelowLS1Bit_Nonzero32(lanes)), tree, [&](State& s) HWY_ATTR {
                 s.stack_size = 0;
                 walker.push(s, word_done);
                 s.current = word;
@@ -247,19 +248,22 @@ class PacketTracer
             });
     }
 
-    HWY_NOINLINE void visit_exactly(Packet& p, uint lanes, const TriangleBlock& block, uint triangle)
+    HWY_NOINLINE void visit_exactly(Packet& p, uint lanes, const WideTree<Node>& tree, const TriangleBlock& block,
+                                    uint triangle)
     {
         for (; lanes != 0; lanes &= lanes - 1)
-            visit_alone(p, static_cast<uint>(hwy::Num0BitsBelowLS1Bit_Nonzero32(lanes)),
-                        [&](RayState& s) HWY_ATTR { visit_triangle_exactly<Query::closest>(block, triangle, s); });
+            visit_alone(p, static_cast<uint>(hwy::Num0BitsBelowLS1Bit_Nonzero32(lanes)), tree,
+                        [&](State& s) HWY_ATTR { visit_triangle_exactly<Query::closest>(block, triangle, s); });
     }
 
     // watertight() with vectors of rays instead of triangles.
-    HWY_INLINE void visit_triangle(Packet& p, const TriangleBlock& block, uint triangle)
+    HWY_INLINE void visit_triangle(Packet& p, const WideTree<Node>& tree, const TriangleBlock& block, uint triangle)
     {
         const Packet::Tag d;
         const uint number = pack_primitive(kind_triangle, block.id[triangle]);
-        const auto corner = [&](int vertex, int axis) HWY_ATTR { return hn::Set(d, block.v[vertex][axis][triangle]); };
+        const float* const lists[3] = {block.axis(0), block.axis(1), block.axis(2)};
+        const uint at[3] = {block.corner_of(triangle, 0), block.corner_of(triangle, 1), block.corner_of(triangle, 2)};
+        const auto corner = [&](int vertex, int axis) HWY_ATTR { return hn::Set(d, lists[axis][at[vertex]]); };
         uint unsure_bits = 0;
         for_parts([&](uint i) HWY_ATTR {
             const auto ox = hn::Load(d, p.origin[p.kx] + i), oy = hn::Load(d, p.origin[p.ky] + i);
@@ -295,20 +299,26 @@ class PacketTracer
             if (!hn::AllFalse(d, better))
                 accept_lanes<query>(p, i, better, t, hn::Div(w1, det), hn::Div(w2, det), number);
         });
-        if (HWY_UNLIKELY(unsure_bits != 0)) visit_exactly(p, unsure_bits, block, triangle);
+        if (HWY_UNLIKELY(unsure_bits != 0)) visit_exactly(p, unsure_bits, tree, block, triangle);
     }
 
-    void traverse(Packet& p)
+    void traverse_all(Packet& p)
+    {
+        const PacketBounds<Node> bounds = enter_world<Node>(p, bvh.first().box);
+        traverse(p, bounds, bvh.first(), 0);
+    }
+
+    // What the rays have of the stack begins at `base`.
+    void traverse(Packet& p, const PacketBounds<Node>& bounds, const WideTree<Node>& tree, std::size_t base)
     {
         const Packet::Tag d;
-        const PacketBounds bounds = enter_world(p, bvh.world);
-        const WideNode* const nodes = bvh.nodes.data();
+        const Node* const nodes = tree.nodes.data();
         float best = most_of(p.best);
         if (best == -INFINITY) return;
-        std::size_t size = 1;
-        words[0] = bvh.world.word;
-        for_parts([&](uint i) HWY_ATTR { hn::Store(hn::Set(d, -FLT_MAX), d, entries[0].enter + i); });
-        while (size > 0) {
+        std::size_t size = base + 1;
+        words[base] = tree.root;
+        for_parts([&](uint i) HWY_ATTR { hn::Store(hn::Set(d, -FLT_MAX), d, entries[base].enter + i); });
+        while (size > base) {
             --size;
             const ChildWord word = words[size];
             uint active = 0;
@@ -321,15 +331,23 @@ class PacketTracer
                     size = push_children(nodes[word], p, bounds, best, size);
                     continue;
                 }
-                visit_one_by_one(p, active, word);
-            } else if (test == TriangleTest::watertight && RefKind(word >> 30) == RefKind::triangle) {
-                const TriangleBlock& block = bvh.triangles[word & child_index_mask];
-                for (uint i = 0; i < max_leaf_size && block.id[i] != none; ++i) visit_triangle(p, block, i);
+                visit_one_by_one(p, active, tree, word);
+            } else if (RefKind(word >> 30) == RefKind::triangle) {
+                const TriangleBlock* block = &block_at(tree.lines.data(), word & child_index_mask);
+                for (;; block = &block_at(reinterpret_cast<const Line*>(block), block->size())) {
+                    for (uint i = 0; i < block->count; ++i) visit_triangle(p, tree, *block, i);
+                    if (!block->more) break;
+                }
             } else if (RefKind(word >> 30) == RefKind::sphere) {
-                for (const uint id : bvh.spheres[word & child_index_mask].id)
+                for (const uint id : tree.spheres[word & child_index_mask].id)
                     if (id != none) visit_sphere<query>(p, input.scene->spheres[id], pack_primitive(kind_sphere, id));
+            } else if (word == word_world) {
+                // The states of rays that went their own way belong to another tree.
+                prepared = 0;
+                if (bvh.world.root != word_done) traverse(p, bounds, bvh.world, size);
+                prepared = 0;
             } else {
-                visit_one_by_one(p, active, word);
+                visit_one_by_one(p, active, tree, word);
             }
             best = most_of(p.best);
             if (query == Query::any && best == -INFINITY) return;
@@ -337,23 +355,22 @@ class PacketTracer
     }
 
     // Pushes the children that any ray meets, the nearest last. Returns the new number of entries.
-    HWY_INLINE std::size_t push_children(const WideNode& node, const Packet& p, const PacketBounds& bounds, float best,
-                                         std::size_t size)
+    HWY_INLINE std::size_t push_children(const Node& node, const Packet& p, const PacketBounds<Node>& bounds,
+                                         float best, std::size_t size)
     {
         const Packet::Tag d;
         const uint order = node.order[p.octant];
         for (uint rest = children_in_bounds(node, order, bounds, best); rest != 0; rest &= rest - 1) {
             const auto at = static_cast<uint>(hwy::Num0BitsBelowLS1Bit_Nonzero32(rest));
-            const uint child = order >> (4 * at) & (node_width - 1);
-            const float* const planes = &node.planes[0][0] + child;
+            const uint child = order >> (Node::order_bits * at) & (Node::width - 1);
             bool met = false;
             for_parts([&](uint i) HWY_ATTR {
                 auto enter = hn::Load(d, p.t_min + i), leave = hn::Load(d, p.best + i);
                 for (int axis = 0; axis < 3; ++axis) {
                     const auto inverse = hn::Load(d, p.inverse[axis] + i);
-                    enter = hn::Max(enter, hn::MulSub(hn::Set(d, planes[bounds.rows.enter[axis]]), inverse,
+                    enter = hn::Max(enter, hn::MulSub(hn::Set(d, plane_of(node, bounds.row[axis], child)), inverse,
                                                       hn::Load(d, p.enter[axis] + i)));
-                    leave = hn::Min(leave, hn::MulSub(hn::Set(d, planes[bounds.rows.leave[axis]]), inverse,
+                    leave = hn::Min(leave, hn::MulSub(hn::Set(d, plane_of(node, bounds.row[axis] ^ 1u, child)), inverse,
                                                       hn::Load(d, p.leave[axis] + i)));
                 }
                 const auto hit = hn::Le(enter, leave);
@@ -367,23 +384,18 @@ class PacketTracer
     }
 };
 
-template <Query query, class Finish>
-HWY_INLINE void in_packets(const TraceInput& input, std::span<const Ray> rays, const Finish& finish)
+template <class Node>
+void packets_closest(const TraceInput<Node>& input, std::span<const Ray> rays, std::span<Hit> hits)
 {
-    if (input.triangle_test == TriangleTest::watertight)
-        PacketTracer<query, TriangleTest::watertight, Finish>(input, rays, finish).trace_all();
-    else
-        PacketTracer<query, TriangleTest::moller_trumbore, Finish>(input, rays, finish).trace_all();
+    const auto finish = [&](std::size_t index, const Hit& hit) { hits[index] = hit; };
+    PacketTracer<Query::closest, Node, decltype(finish)>(input, rays, finish).trace_all();
 }
 
-void packets_closest(const TraceInput& input, std::span<const Ray> rays, std::span<Hit> hits)
+template <class Node>
+void packets_any(const TraceInput<Node>& input, std::span<const Ray> rays, std::span<std::uint8_t> blocked)
 {
-    in_packets<Query::closest>(input, rays, [&](std::size_t index, const Hit& hit) { hits[index] = hit; });
-}
-
-void packets_any(const TraceInput& input, std::span<const Ray> rays, std::span<std::uint8_t> blocked)
-{
-    in_packets<Query::any>(input, rays, [&](std::size_t index, const Hit& hit) { blocked[index] = is_hit(hit); });
+    const auto finish = [&](std::size_t index, const Hit& hit) { blocked[index] = is_hit(hit); };
+    PacketTracer<Query::any, Node, decltype(finish)>(input, rays, finish).trace_all();
 }
 
 } // namespace HWY_NAMESPACE

@@ -40,14 +40,15 @@ struct alignas(64) Packet
 // as the slopes times the distance from the world's origin. The roundings are then those of the difference, the
 // product and the reciprocal, 3 u reach in the terms of RayState, and 2 u |origin|; the slack is twice that of single
 // rays.
+template <class Node>
 struct PacketBounds
 {
-    using Tag = SlabRay::Tag;
-    using Vec = SlabRay::Vec;
+    using Tag = NodeTag<Node>;
+    using Vec = hn::Vec<Tag>;
     Vec enter_from[3], leave_from[3]; // the origins, moved back or forth, that enter first and leave last
     Vec least[3], most[3];            // of inverse
     Vec t_min;
-    SlabRows rows;
+    uint row[3]; // of planes where the rays enter
 };
 
 template <class Part>
@@ -82,7 +83,8 @@ HWY_INLINE float most_of(const float (&x)[packet_size])
 }
 
 // The same as enter_space() for the rays that are in the packet, in world space.
-HWY_INLINE PacketBounds enter_world(Packet& p, const WideRoot& root)
+template <class Node>
+HWY_INLINE PacketBounds<Node> enter_world(Packet& p, const Box& box)
 {
     const Packet::Tag d;
     alignas(64) float enter_from[3][packet_size], leave_from[3][packet_size];
@@ -90,16 +92,16 @@ HWY_INLINE PacketBounds enter_world(Packet& p, const WideRoot& root)
         auto reach = hn::Zero(d), coordinate = hn::Zero(d);
         for (int axis = 0; axis < 3; ++axis) {
             const auto origin = hn::Load(d, p.origin[axis] + i);
-            const auto lower = hn::Set(d, root.lower[axis]), upper = hn::Set(d, root.upper[axis]);
+            const auto lower = hn::Set(d, box.lower[axis]), upper = hn::Set(d, box.upper[axis]);
             reach = hn::Max(reach, hn::Max(hn::Abs(hn::Sub(lower, origin)), hn::Abs(hn::Sub(upper, origin))));
             coordinate = hn::Max(coordinate, hn::Max(hn::Abs(origin), hn::Max(hn::Abs(lower), hn::Abs(upper))));
         }
         const auto limit = hn::Div(hn::Set(d, 1e36f), hn::Add(coordinate, hn::Set(d, 1e-2f)));
-        const auto far_slack = hn::Add(hn::Mul(reach, hn::Set(d, 0x1p-21f)), hn::Set(d, 1e-30f));
+        const auto far_slack = hn::Add(hn::Mul(reach, hn::Set(d, slack_by_reach)), hn::Set(d, 1e-30f));
         for (int axis = 0; axis < 3; ++axis) {
             const auto origin = hn::Load(d, p.origin[axis] + i);
             const auto reciprocal = hn::Div(hn::Set(d, 1.0f), hn::Load(d, p.direction[axis] + i));
-            const auto slack = hn::Add(hn::Mul(hn::Abs(origin), hn::Set(d, 0x1p-22f)), far_slack);
+            const auto slack = hn::Add(hn::Mul(hn::Abs(origin), hn::Set(d, slack_by_origin)), far_slack);
             const auto along = hn::CopySign(slack, reciprocal);
             const auto inverse = hn::Max(hn::Min(reciprocal, limit), hn::Neg(limit));
             hn::Store(inverse, d, p.inverse[axis] + i);
@@ -113,12 +115,12 @@ HWY_INLINE PacketBounds enter_world(Packet& p, const WideRoot& root)
         hn::Store(hn::Div(hn::Load(d, p.direction[p.ky] + i), z), d, p.shear[1] + i);
         hn::Store(hn::Div(hn::Set(d, 1.0f), z), d, p.shear[2] + i);
     });
-    const PacketBounds::Tag dn;
-    PacketBounds b;
-    b.rows = rows_by_octant[p.octant];
+    const NodeTag<Node> dn;
+    PacketBounds<Node> b;
     b.t_min = hn::Set(dn, least_of(p.t_min));
     for (int axis = 0; axis < 3; ++axis) {
         const bool negative = (p.octant >> axis & 1u) != 0;
+        b.row[axis] = 2 * static_cast<uint>(axis) + negative;
         b.enter_from[axis] = hn::Set(dn, negative ? least_of(enter_from[axis]) : most_of(enter_from[axis]));
         b.leave_from[axis] = hn::Set(dn, negative ? most_of(leave_from[axis]) : least_of(leave_from[axis]));
         b.least[axis] = hn::Set(dn, least_of(p.inverse[axis]));
@@ -128,31 +130,43 @@ HWY_INLINE PacketBounds enter_world(Packet& p, const WideRoot& root)
 }
 
 // Children, as bits from far to near in the node's order, that some ray of the packet may meet.
-HWY_INLINE uint children_in_bounds(const WideNode& node, uint order, const PacketBounds& b, float best)
+template <class Node>
+HWY_INLINE uint children_in_bounds(const Node& node, uint order, const PacketBounds<Node>& b, float best)
 {
-    const PacketBounds::Tag d;
+    const NodeTag<Node> d;
     constexpr std::size_t n = hn::MaxLanes(d);
     uint bits = 0;
-    for (std::size_t half = 0; half < node_width; half += n) {
+    for (std::size_t first = 0; first < Node::width; first += n) {
         auto enter = b.t_min, leave = hn::Set(d, best);
         for (int axis = 0; axis < 3; ++axis) {
-            const float* planes = &node.planes[0][0] + half;
-            const auto x = hn::Sub(hn::Load(d, planes + b.rows.enter[axis]), b.enter_from[axis]);
-            const auto y = hn::Sub(hn::Load(d, planes + b.rows.leave[axis]), b.leave_from[axis]);
+            const auto x = hn::Sub(load_planes(d, node, b.row[axis], first), b.enter_from[axis]);
+            const auto y = hn::Sub(load_planes(d, node, b.row[axis] ^ 1u, first), b.leave_from[axis]);
             enter = hn::Max(enter, hn::Min(hn::Mul(x, b.least[axis]), hn::Mul(x, b.most[axis])));
             leave = hn::Min(leave, hn::Max(hn::Mul(y, b.least[axis]), hn::Mul(y, b.most[axis])));
         }
         const auto met = hn::Le(enter, leave);
-        if constexpr (n == node_width) {
-            const hn::RebindToUnsigned<PacketBounds::Tag> du;
-            const auto front_to_back = hn::Shr(hn::Set(du, order), hn::ShiftLeft<2>(hn::Iota(du, 0)));
+        if constexpr (n == Node::width) {
+            const hn::RebindToUnsigned<NodeTag<Node>> du;
+            const auto front_to_back = hn::Shr(hn::Set(du, order), order_shifts<Node>());
             const auto sorted = hn::TableLookupLanes(hn::VecFromMask(d, met), lanes_of(d, front_to_back));
             return mask_bits(d, hn::MaskFromVec(sorted));
         }
-        const uint part = mask_bits(d, met) << half;
-        for (uint i = 0; i < node_width; ++i) bits |= (part >> (order >> (4 * i) & 7u) & 1u) << i;
+        const uint part = mask_bits(d, met) << first;
+        for (uint i = 0; i < Node::width; ++i)
+            bits |= (part >> (order >> (Node::order_bits * i) & (Node::width - 1)) & 1u) << i;
     }
     return bits;
+}
+
+// One plane of a child, the same number as load_planes() gives.
+template <uint width>
+HWY_INLINE float plane_of(const FloatNode<width>& node, uint row, uint child)
+{
+    return node.planes[row][child];
+}
+HWY_INLINE float plane_of(const QuantisedNode& node, uint row, uint child)
+{
+    return (&node.origin.x)[row / 2] + (&node.scale.x)[row / 2] * static_cast<float>(node.planes[row][child]);
 }
 
 } // namespace HWY_NAMESPACE

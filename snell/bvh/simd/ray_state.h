@@ -14,50 +14,43 @@ namespace snell {
 // 2013, Robust BVH Ray Traversal), which leaves out negative t and axes along which the ray does not move, each axis
 // has two origins, a little apart: seen from them every box is larger by some units in the last place of the lengths
 // that take part. With u = 2^-24 and reach the largest distance to any plane of the tree, that is
-//  - 8 u reach: the triangle test accepts rays that pass the sheared vertices within 5 u of the largest distance; the
-//    reciprocal and the slab's last rounding add 2 u;
-//  - 4 u |origin|: the roundings of origin +- slack and of its product with the reciprocal.
+//  - 10 u reach: the triangle test accepts rays that pass the sheared vertices within 5 u of the largest distance; the
+//    reciprocal and the slab's last rounding add 2 u, the decoding of a quantised plane 1 u;
+//  - 5 u |origin|: the roundings of origin +- slack and of its product with the reciprocal, and of the decoding.
 // A reciprocal is held below 1e36 over the largest coordinate, so that no product overflows. For a direction component
 // of 0 it is that number: the slack times it is beyond any t, so the slab of a box that contains the ray's coordinate
 // is entered at about -infinity and left at +infinity; and no 0 * infinity, no NaN, ever comes up.
+inline constexpr float slack_by_reach = 10.0f * 0x1p-24f, slack_by_origin = 5.0f * 0x1p-24f;
+
+template <class Node>
 struct alignas(64) RayState
 {
-    float inverse[4];                   // the fourth components mean nothing
-    float enter_term[4], leave_term[4]; // origin * inverse, for the planes where the ray enters and leaves
+    // What inner nodes need, in one cache line.
+    float inverse[3];
+    float enter_term[3], leave_term[3]; // origin * inverse, for the planes where the ray enters and leaves
     float t_min;
-    float best;    // hits at t <= best are of interest: the float before t_max, then that of the nearest hit
-    uint octant;   // bit i: the direction is negative on axis i
-    uint instance; // none: world space
-
-    ChildWord* stack;  // see Stacks
-    uint stack_size;   // entries in use
+    float best;        // hits at t <= best are of interest: the float before t_max, then that of the nearest hit
+    uint enter_row[3]; // rows of planes where the ray enters boxes; those where it leaves: with the last bit turned
+    uint octant;       // bit i: the direction is negative on axis i
     ChildWord current; // what to visit next
-    ShearedRay shear;
-    float shear_origin[3]; // the origin's components kx, ky, kz
-    uint ray_index;        // in the batch
-    uint steps;
-    Ray ray; // in the space of the tree that is being traversed
+
+    // What leaves and everything else need.
+    ChildWord* stack;           // see Stacks
+    uint stack_size;            // entries in use
+    uint ray_index;             // in the batch
+    const Node* nodes;          // of the tree that is being traversed
+    const Line* lines;          // likewise
+    float shear[3];             // sx, sy, sz of ShearedRay
+    float shear_origin[3];      // the origin's components kx, ky, kz
+    std::uint8_t shear_axes[4]; // kx, ky, kz
+    uint instance;              // none: world space
+
     Hit hit;
+    uint steps;
+    const WideTree<Node>* tree;
+    Ray ray;   // in the space of the tree
     Hit after; // Query::next: what the hit must come behind
 };
-
-// Rows of WideNode::planes, as offsets in floats, through which rays of an octant enter and leave a box.
-struct SlabRows
-{
-    uint enter[3], leave[3];
-};
-constexpr SlabRows slab_rows(uint octant)
-{
-    SlabRows rows = {};
-    for (uint axis = 0; axis < 3; ++axis) {
-        const bool negative = (octant >> axis & 1u) != 0;
-        rows.enter[axis] = (negative ? 3 + axis : axis) * node_width;
-        rows.leave[axis] = (negative ? axis : 3 + axis) * node_width;
-    }
-    return rows;
-}
-inline constexpr SlabRows rows_by_octant[8] = {slab_rows(0), slab_rows(1), slab_rows(2), slab_rows(3),
-                                               slab_rows(4), slab_rows(5), slab_rows(6), slab_rows(7)};
 
 // For each set of lanes: their numbers in ascending order, 4 bits each, the first lowest.
 struct LaneLists

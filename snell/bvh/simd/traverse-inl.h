@@ -22,10 +22,7 @@ namespace hn = hwy::HWY_NAMESPACE;
 class Stacks
 {
   public:
-    Stacks(std::size_t rays, uint entries)
-        : stride((entries + 2 * node_width + 15) / 16 * 16), memory(2 * rays * stride)
-    {
-    }
+    Stacks(std::size_t rays, uint entries) : stride((entries + 2 * 8 + 15) / 16 * 16), memory(2 * rays * stride) {}
     ChildWord* stack(std::size_t ray) { return memory.data() + 2 * ray * stride; }
 
     const std::size_t stride;
@@ -35,19 +32,22 @@ class Stacks
 };
 
 // Everything a traversal needs to go on with one ray, apart from visiting inner nodes.
-template <Query query, TriangleTest test>
+template <Query query, TriangleTest test, class Node>
 class Walker
 {
   public:
+    using State = RayState<Node>;
+
     // before: Query::next's hits, one a ray.
-    Walker(const TraceInput& in, std::span<const Ray> batch, std::size_t stack_stride, std::span<const Hit> before = {})
-        : input(in), bvh(*in.bvh), rays(batch), stride(stack_stride), after(before)
+    Walker(const TraceInput<Node>& in, std::span<const Ray> batch, std::size_t stack_stride,
+           std::span<const Hit> before = {})
+        : input(in), bvh(*in.bvh), first(in.bvh->first()), rays(batch), stride(stack_stride), after(before)
     {
     }
 
     // The state's stack is set. Sets the rest to the root, after looking at the planes. False if there is nothing to
     // traverse.
-    bool start(RayState& s, std::size_t index) const
+    HWY_INLINE bool start(State& s, std::size_t index) const
     {
         const Ray& ray = rays[index];
         s.ray_index = static_cast<uint>(index);
@@ -55,37 +55,29 @@ class Walker
         s.steps = 0;
         s.stack_size = 0;
         if (!is_traceable(ray)) return false;
-        s.t_min = ray.t_min;
         s.best = float_before(ray.t_max);
         if (query == Query::next) s.after = after[index];
-        for (std::size_t i = 0; i < input.scene->planes.size(); ++i) {
-            const Plane& plane = input.scene->planes[i];
-            if (query == Query::counted) ++s.steps;
-            const Intersection r = intersect_plane(ray, plane.normal, plane.offset);
-            const uint primitive = pack_primitive(kind_plane, static_cast<uint>(i));
-            if (query == Query::next && !is_later_hit(r.t, primitive, none, s.after)) continue;
-            if (r.ok && is_better_hit(r.t, primitive, none, s.hit)) accept(s, r.t, 0.0f, 0.0f, primitive, none);
-        }
-        if (bvh.world.word == word_done || (query == Query::any && is_hit(s.hit))) return false;
-        enter_space(s, ray, bvh.world, none);
+        if (HWY_UNLIKELY(!input.scene->planes.empty())) meet_planes(s, ray);
+        if (first.root == word_done || (query == Query::any && is_hit(s.hit))) return false;
+        enter_space(s, ray, first, none);
         push(s, word_done);
-        s.current = bvh.world.word;
+        s.current = first.root;
         return true;
     }
 
     // Visits the leaf, instance or marker that is `current`. True if a hit was found or improved. What comes next is
     // on the stack.
-    HWY_INLINE bool visit_leaf(RayState& s) const
+    HWY_INLINE bool visit_leaf(State& s) const
     {
         const uint index = s.current & child_index_mask;
         switch (RefKind(s.current >> 30)) {
         case RefKind::triangle:
-            return visit_triangles<query, test>(bvh.triangles[index], s);
+            return visit_triangles<query, test>(&block_at(s.lines, index), s);
         case RefKind::sphere:
-            return visit_spheres<query>(input, bvh.spheres[index], s);
+            return visit_spheres<query>(*input.scene, s.tree->spheres[index], s);
         case RefKind::instance:
             if (s.current == word_leave_instance)
-                enter_space(s, rays[s.ray_index], bvh.world, none);
+                enter_space(s, rays[s.ray_index], first, none);
             else
                 enter_instance(s, index);
             return false;
@@ -94,50 +86,68 @@ class Walker
     }
 
     // Markers stay on the stack whatever the nearest hit.
-    void push(RayState& s, ChildWord word) const
+    HWY_INLINE void push(State& s, ChildWord word) const
     {
         s.stack[s.stack_size] = word;
         s.stack[s.stack_size + stride] = floatBitsToUint(-INFINITY);
         ++s.stack_size;
     }
 
-    const TraceInput& input;
-    const WideBvh& bvh;
+    const TraceInput<Node>& input;
+    const WideBvh<Node>& bvh;
+    const WideTree<Node>& first;
     const std::span<const Ray> rays;
     const std::size_t stride; // of Stacks
     const std::span<const Hit> after;
 
   private:
-    void enter_instance(RayState& s, uint index) const
+    void meet_planes(State& s, const Ray& ray) const
     {
+        for (std::size_t i = 0; i < input.scene->planes.size(); ++i) {
+            const Plane& plane = input.scene->planes[i];
+            if (query == Query::counted) ++s.steps;
+            const Intersection r = intersect_plane(ray, plane.normal, plane.offset);
+            const uint primitive = pack_primitive(kind_plane, static_cast<uint>(i));
+            if (query == Query::next && !is_later_hit(r.t, primitive, none, s.after)) continue;
+            if (r.ok && is_better_hit(r.t, primitive, none, s.hit)) accept(s, r.t, 0.0f, 0.0f, primitive, none);
+        }
+    }
+
+    void enter_instance(State& s, uint index) const
+    {
+        if (s.current == word_world) return enter(s, rays[s.ray_index], bvh.world, none);
         const Instance& instance = input.scene->instances[index];
-        const WideRoot& root = bvh.groups[instance.group];
         const Ray local = ray_to_object(rays[s.ray_index], instance.to_object);
-        if (!is_traceable(local) || root.word == word_done) return;
+        if (is_traceable(local)) enter(s, local, bvh.groups[instance.group], index);
+    }
+
+    void enter(State& s, const Ray& ray, const WideTree<Node>& tree, uint instance) const
+    {
+        if (tree.root == word_done) return;
         push(s, word_leave_instance);
-        enter_space(s, local, root, index);
-        push(s, root.word);
+        enter_space(s, ray, tree, instance);
+        push(s, tree.root);
     }
 };
 
 // Traces one ray until its stack is empty. For any hit: until the first, whose primitive is then 0, whatever it was.
-template <Query query, TriangleTest test>
-HWY_INLINE void walk(const Walker<query, test>& walker, RayState& s)
+template <Query query, TriangleTest test, class Node>
+HWY_INLINE void walk(const Walker<query, test, Node>& walker, RayState<Node>& s)
 {
     const std::size_t stride = walker.stride;
-    const WideNode* const nodes = walker.bvh.nodes.data();
+    const Node* nodes = s.nodes;
     ChildWord* const stack = s.stack;
     uint size = s.stack_size;
     ChildWord current = s.current;
-    SlabRay slab_ray = load_slab_ray(s);
+    SlabRay<Node> slab_ray = load_slab_ray(s);
     while (current != word_done) {
         if (current <= child_index_mask) {
-            const WideNode& node = nodes[current];
-            const Slabs slabs = test_slabs(node, slab_ray, s.best, 0);
+            const Node& node = nodes[current];
+            const Slabs<Node> slabs = test_slabs(node, slab_ray, s.best, 0);
             if (query == Query::counted) ++s.steps;
-            if (hn::MaxLanes(Slabs::Tag()) == node_width) {
+            if (hn::MaxLanes(NodeTag<Node>()) == Node::width) {
                 // One child is the most frequent case, and neighbouring rays agree on it.
-                const uint met = mask_bits(Slabs::Tag(), hn::Le(slabs.enter, slabs.leave));
+                const uint met = mask_bits(NodeTag<Node>(), hn::Le(slabs.enter, slabs.leave));
                 if (met != 0 && (met & (met - 1)) == 0) {
                     current = node.child[hwy::Num0BitsBelowLS1Bit_Nonzero32(met)];
                     continue;
@@ -151,7 +161,10 @@ HWY_INLINE void walk(const Walker<query, test>& walker, RayState& s)
             s.stack_size = size;
             const bool improved = walker.visit_leaf(s);
             size = s.stack_size;
-            if (current >= make_child(uint(RefKind::instance), 0)) slab_ray = load_slab_ray(s);
+            if (current >= make_child(uint(RefKind::instance), 0)) {
+                slab_ray = load_slab_ray(s);
+                nodes = s.nodes;
+            }
             if (improved && query == Query::any) {
                 s.hit.primitive = 0;
                 return;
@@ -163,13 +176,13 @@ HWY_INLINE void walk(const Walker<query, test>& walker, RayState& s)
     }
 }
 
-template <Query query, TriangleTest test, class Finish>
-HWY_INLINE void trace_one_by_one(const TraceInput& input, std::span<const Ray> rays, std::span<const Hit> after,
+template <Query query, TriangleTest test, class Node, class Finish>
+HWY_INLINE void trace_one_by_one(const TraceInput<Node>& input, std::span<const Ray> rays, std::span<const Hit> after,
                                  const Finish& finish)
 {
-    Stacks stacks(1, input.bvh->stack_size);
-    const Walker<query, test> walker(input, rays, stacks.stride, after);
-    RayState s;
+    Stacks stacks(1, input.bvh->stack_size());
+    const Walker<query, test, Node> walker(input, rays, stacks.stride, after);
+    RayState<Node> s;
     s.stack = stacks.stack(0);
     for (std::size_t i = 0; i < rays.size(); ++i) {
         if (walker.start(s, i)) walk(walker, s);
@@ -177,8 +190,8 @@ HWY_INLINE void trace_one_by_one(const TraceInput& input, std::span<const Ray> r
     }
 }
 
-template <Query query, class Finish>
-HWY_INLINE void single(const TraceInput& input, std::span<const Ray> rays, const Finish& finish,
+template <Query query, class Node, class Finish>
+HWY_INLINE void single(const TraceInput<Node>& input, std::span<const Ray> rays, const Finish& finish,
                        std::span<const Hit> after = {})
 {
     if (input.triangle_test == TriangleTest::watertight)
@@ -187,102 +200,126 @@ HWY_INLINE void single(const TraceInput& input, std::span<const Ray> rays, const
         trace_one_by_one<query, TriangleTest::moller_trumbore>(input, rays, after, finish);
 }
 
-void single_closest(const TraceInput& input, std::span<const Ray> rays, std::span<Hit> hits)
+template <class Node>
+void single_closest(const TraceInput<Node>& input, std::span<const Ray> rays, std::span<Hit> hits)
 {
-    single<Query::closest>(input, rays, [&](const RayState& s) { hits[s.ray_index] = s.hit; });
+    single<Query::closest>(input, rays, [&](const RayState<Node>& s) { hits[s.ray_index] = s.hit; });
 }
 
-void single_next(const TraceInput& input, std::span<const Ray> rays, std::span<const Hit> after, std::span<Hit> hits)
+template <class Node>
+void single_next(const TraceInput<Node>& input, std::span<const Ray> rays, std::span<const Hit> after,
+                 std::span<Hit> hits)
 {
     single<Query::next>(
-        input, rays, [&](const RayState& s) { hits[s.ray_index] = s.hit; }, after);
+        input, rays, [&](const RayState<Node>& s) { hits[s.ray_index] = s.hit; }, after);
 }
 
-void single_any(const TraceInput& input, std::span<const Ray> rays, std::span<std::uint8_t> blocked)
+template <class Node>
+void single_any(const TraceInput<Node>& input, std::span<const Ray> rays, std::span<std::uint8_t> blocked)
 {
-    single<Query::any>(input, rays, [&](const RayState& s) { blocked[s.ray_index] = is_hit(s.hit); });
+    single<Query::any>(input, rays, [&](const RayState<Node>& s) { blocked[s.ray_index] = is_hit(s.hit); });
 }
 
-void single_counted(const TraceInput& input, std::span<const Ray> rays, std::span<Hit> hits, std::span<uint> steps)
+template <class Node>
+void single_counted(const TraceInput<Node>& input, std::span<const Ray> rays, std::span<Hit> hits,
+                    std::span<uint> steps)
 {
-    single<Query::counted>(input, rays, [&](const RayState& s) {
+    single<Query::counted>(input, rays, [&](const RayState<Node>& s) {
         hits[s.ray_index] = s.hit;
         steps[s.ray_index] = s.steps;
     });
 }
 
-// Rays in flight. Two lists: rays whose next stop is an inner node, and the rest. Inner nodes are visited in rounds,
-// one node a ray and round, so that the processor overlaps the work and the cache misses of independent rays; a ray
-// that comes to a leaf changes lists without a branch. When few are left in the first list, all leaves are visited,
-// where rays also end and new ones begin.
-template <Query query, TriangleTest test, class Finish>
-HWY_INLINE void trace_in_flight(const TraceInput& input, std::span<const Ray> rays, const Finish& finish)
+// Rays in flight, in three lists: those whose next stop is an inner node, a block of triangles, or something else.
+// Inner nodes are visited in turn, one node a ray, so that the processor overlaps the work and the cache misses of
+// independent rays; a ray changes lists without a branch. The list of inner nodes is a ring, for the end of a list is a
+// branch that nobody can predict. When few rays are left in it, the other lists are worked off, where rays also end and
+// new ones begin.
+template <Query query, TriangleTest test, class Node, class Finish>
+HWY_INLINE void trace_in_flight(const TraceInput<Node>& input, std::span<const Ray> rays, const Finish& finish)
 {
-    constexpr std::size_t flight = 16;
-    Stacks stacks(flight, input.bvh->stack_size);
+    constexpr std::size_t flight = 32;
+    constexpr std::size_t enough = flight / 4; // rays at inner nodes that keep the processor busy
+    Stacks stacks(flight, input.bvh->stack_size());
     const std::size_t stride = stacks.stride;
-    const Walker<query, test> walker(input, rays, stride);
-    const WideNode* const nodes = walker.bvh.nodes.data();
-    const TriangleBlock* const blocks = walker.bvh.triangles.data();
-    RayState states[flight];
+    const Walker<query, test, Node> walker(input, rays, stride);
+    RayState<Node> states[flight];
     for (std::size_t slot = 0; slot < flight; ++slot) states[slot].stack = stacks.stack(slot);
-    std::uint8_t inner[flight + 1], other[2 * flight];
-    std::size_t inner_count = 0, other_count = 0, next_ray = 0;
+    std::uint8_t ring[flight], leaves[2 * flight], others[2 * flight];
+    std::size_t ring_begin = 0, ring_end = 0, leaf_count = 0, other_count = 0, next_ray = 0;
 
-    const auto sort_in = [&](std::size_t slot) {
-        const bool is_inner = states[slot].current <= child_index_mask;
-        inner[inner_count] = other[other_count] = static_cast<std::uint8_t>(slot);
-        inner_count += is_inner;
-        other_count += !is_inner;
+    const auto sort_in = [&](std::size_t slot, ChildWord word) __attribute__((always_inline))
+    {
+        ring[ring_end % flight] = leaves[leaf_count] = others[other_count] = static_cast<std::uint8_t>(slot);
+        ring_end += word <= child_index_mask;
+        leaf_count += word - (child_index_mask + 1) <= child_index_mask;
+        other_count += word >> 31;
+    };
+    // Inlined by force: GCC 12 takes a function that only prefetches for one without effects, and drops it.
+    const auto fetch = [&](const RayState<Node>& s, ChildWord word) __attribute__((always_inline))
+    {
+        if (!input.prefetch) return;
+        const char* node = reinterpret_cast<const char*>(s.nodes + word);
+        const char* block = reinterpret_cast<const char*>(s.lines + (word & child_index_mask));
+        // A sphere block, an instance or a marker makes an address that is fetched in vain; that is harmless.
+        const char* lines = word <= child_index_mask ? node : block;
+        constexpr int most = sizeof(Node) > 192 ? 4 : 3;
+        for (int line = 0; line < most; ++line) __builtin_prefetch(lines + 64 * line);
     };
     // Gives the slot to the next ray that has something to traverse.
     const auto refill = [&](std::size_t slot) {
         while (next_ray < rays.size()) {
             if (walker.start(states[slot], next_ray++)) {
-                sort_in(slot);
+                sort_in(slot, states[slot].current);
                 return;
             }
             finish(states[slot]);
         }
     };
-    const auto fetch = [&](ChildWord word) {
-        if (!input.prefetch) return;
-        const bool inner_node = word <= child_index_mask;
-        const char* lines = inner_node ? reinterpret_cast<const char*>(nodes + word)
-                                       : reinterpret_cast<const char*>(blocks + (word & child_index_mask));
-        // A sphere block, an instance or a marker makes an address that is fetched in vain; that is harmless.
-        for (int line = 0; line < 3; ++line) __builtin_prefetch(lines + 64 * line);
-        __builtin_prefetch(lines + (inner_node ? 192 : 128));
-    };
 
     for (std::size_t slot = 0; slot < flight; ++slot) refill(slot);
-    while (inner_count + other_count > 0) {
-        while (inner_count > (other_count > 0 ? flight / 4 : 0)) {
-            std::size_t still = 0;
-            for (std::size_t i = 0; i < inner_count; ++i) {
-                const std::size_t slot = inner[i];
-                RayState& s = states[slot];
-                const WideNode& node = nodes[s.current];
-                const SlabRay slab_ray = load_slab_ray(s);
-                const Slabs slabs = test_slabs(node, slab_ray, s.best, 0);
-                s.stack_size = push_children<query>(node, s, slab_ray, slabs, stride, s.stack_size) - 1;
-                s.current = s.stack[s.stack_size];
-                fetch(s.current);
-                const bool is_inner = s.current <= child_index_mask;
-                inner[still] = static_cast<std::uint8_t>(slot);
-                still += is_inner;
-                other[other_count] = static_cast<std::uint8_t>(slot);
-                other_count += !is_inner;
-            }
-            inner_count = still;
+    for (;;) {
+        const std::size_t least = leaf_count + other_count > 0 ? enough : 0;
+        if (ring_begin == ring_end && leaf_count + other_count == 0) return;
+        while (ring_end - ring_begin > least) {
+            const std::size_t slot = ring[ring_begin++ % flight];
+            RayState<Node>& s = states[slot];
+            const Node& node = s.nodes[s.current];
+            const SlabRay<Node> slab_ray = load_slab_ray(s);
+            const Slabs<Node> slabs = test_slabs(node, slab_ray, s.best, 0);
+            const uint size = push_children<query>(node, s, slab_ray, slabs, stride, s.stack_size) - 1;
+            const ChildWord word = s.stack[size];
+            s.stack_size = size;
+            s.current = word;
+            fetch(s, word);
+            sort_in(slot, word);
         }
-        const std::size_t count = other_count;
         std::uint8_t todo[flight];
-        std::copy(other, other + count, todo);
+        std::size_t count = leaf_count;
+        std::copy(leaves, leaves + flight, todo);
+        leaf_count = 0;
+        for (std::size_t i = 0; i < count; ++i) {
+            const std::size_t slot = todo[i];
+            RayState<Node>& s = states[slot];
+            if (visit_triangles<query, test>(&block_at(s.lines, s.current & child_index_mask), s)) {
+                if (query == Query::any) {
+                    s.hit.primitive = 0;
+                    finish(s);
+                    refill(slot);
+                    continue;
+                }
+                drop_farther(s, stride);
+            }
+            s.current = s.stack[--s.stack_size];
+            fetch(s, s.current);
+            sort_in(slot, s.current);
+        }
+        count = other_count;
+        std::copy(others, others + flight, todo);
         other_count = 0;
         for (std::size_t i = 0; i < count; ++i) {
             const std::size_t slot = todo[i];
-            RayState& s = states[slot];
+            RayState<Node>& s = states[slot];
             if (s.current == word_done) {
                 finish(s);
                 refill(slot);
@@ -297,14 +334,14 @@ HWY_INLINE void trace_in_flight(const TraceInput& input, std::span<const Ray> ra
             }
             if (improved) drop_farther(s, stride);
             s.current = s.stack[--s.stack_size];
-            fetch(s.current);
-            sort_in(slot);
+            fetch(s, s.current);
+            sort_in(slot, s.current);
         }
     }
 }
 
-template <Query query, class Finish>
-HWY_INLINE void stream(const TraceInput& input, std::span<const Ray> rays, const Finish& finish)
+template <Query query, class Node, class Finish>
+HWY_INLINE void stream(const TraceInput<Node>& input, std::span<const Ray> rays, const Finish& finish)
 {
     if (input.triangle_test == TriangleTest::watertight)
         trace_in_flight<query, TriangleTest::watertight>(input, rays, finish);
@@ -312,14 +349,16 @@ HWY_INLINE void stream(const TraceInput& input, std::span<const Ray> rays, const
         trace_in_flight<query, TriangleTest::moller_trumbore>(input, rays, finish);
 }
 
-void stream_closest(const TraceInput& input, std::span<const Ray> rays, std::span<Hit> hits)
+template <class Node>
+void stream_closest(const TraceInput<Node>& input, std::span<const Ray> rays, std::span<Hit> hits)
 {
-    stream<Query::closest>(input, rays, [&](const RayState& s) { hits[s.ray_index] = s.hit; });
+    stream<Query::closest>(input, rays, [&](const RayState<Node>& s) { hits[s.ray_index] = s.hit; });
 }
 
-void stream_any(const TraceInput& input, std::span<const Ray> rays, std::span<std::uint8_t> blocked)
+template <class Node>
+void stream_any(const TraceInput<Node>& input, std::span<const Ray> rays, std::span<std::uint8_t> blocked)
 {
-    stream<Query::any>(input, rays, [&](const RayState& s) { blocked[s.ray_index] = is_hit(s.hit); });
+    stream<Query::any>(input, rays, [&](const RayState<Node>& s) { blocked[s.ray_index] = is_hit(s.hit); });
 }
 
 } // namespace HWY_NAMESPACE

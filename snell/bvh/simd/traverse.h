@@ -1,4 +1,4 @@
-// Traversal of the wide tree with the widest SIMD instructions that the processor has, found out at run time.
+// Traversal of wide trees with SIMD instructions.
 #pragma once
 
 #include "snell/bvh/accel.h"
@@ -6,29 +6,48 @@
 
 namespace snell {
 
+template <class Node>
 struct TraceInput
 {
-    const WideBvh* bvh = nullptr;
+    const WideBvh<Node>* bvh = nullptr;
     const PackedScene* scene = nullptr;
     TriangleTest triangle_test = TriangleTest::watertight;
     bool prefetch = false; // fetch nodes early; pays once the tree outgrows the second-level cache
 };
 
-// One ray after the other.
-void trace_single(const TraceInput& input, std::span<const Ray> rays, std::span<Hit> hits);
-// The nearest hits behind `after`, in the order of is_later_hit; the rays' t_min are just below its t.
-void trace_single_next(const TraceInput& input, std::span<const Ray> rays, std::span<const Hit> after,
-                       std::span<Hit> hits);
-void trace_single_any(const TraceInput& input, std::span<const Ray> rays, std::span<std::uint8_t> blocked);
-void trace_counted(const TraceInput& input, std::span<const Ray> rays, std::span<Hit> hits, std::span<uint> steps);
+// The traversals of one kind of node; all of them give the same answers.
+template <class Node>
+struct TraceKernels
+{
+    using Input = const TraceInput<Node>&;
+    using Closest = void (*)(Input, std::span<const Ray>, std::span<Hit>);
+    using Any = void (*)(Input, std::span<const Ray>, std::span<std::uint8_t>);
 
-// Several rays in flight: while one waits for memory, others go on. For batches; the same answers.
-void trace_stream(const TraceInput& input, std::span<const Ray> rays, std::span<Hit> hits);
-void trace_stream_any(const TraceInput& input, std::span<const Ray> rays, std::span<std::uint8_t> blocked);
+    // One ray after the other.
+    Closest single;
+    Any single_any;
+    // The nearest hits behind `after`, in the order of is_later_hit; the rays' t_min are just below its t.
+    void (*next)(Input, std::span<const Ray>, std::span<const Hit> after, std::span<Hit>);
+    void (*counted)(Input, std::span<const Ray>, std::span<Hit>, std::span<uint> steps);
+    // Several rays in flight: while one waits for memory, others go on. For batches.
+    Closest stream;
+    Any stream_any;
+    // Sixteen rays together. For batches whose neighbours go much the same way. Watertight only.
+    Closest packets;
+    Any packets_any;
+};
 
-// Sixteen rays together. For batches whose neighbours go much the same way; the same answers.
-void trace_packets(const TraceInput& input, std::span<const Ray> rays, std::span<Hit> hits);
-void trace_packets_any(const TraceInput& input, std::span<const Ray> rays, std::span<std::uint8_t> blocked);
+// Those for the widest SIMD instructions that the processor has, found out at run time.
+template <class Node>
+TraceKernels<Node> trace_kernels();
+template <>
+TraceKernels<Node2> trace_kernels();
+template <>
+TraceKernels<Node4> trace_kernels();
+template <>
+TraceKernels<Node8> trace_kernels();
+template <>
+TraceKernels<QuantisedNode> trace_kernels();
 
 // The instruction sets that this build can choose from on this processor, as Highway's target bits. For tests and
 // reports; hwy::SetSupportedTargetsForTest() takes one.
