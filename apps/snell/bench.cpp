@@ -1,4 +1,5 @@
 // snell bench: samples a second of the whole renderer, beside a plain path tracer over Embree in the same run.
+#include "bench_accel.h"
 #include "camera_choice.h"
 #include "commands.h"
 #include "console.h"
@@ -163,7 +164,7 @@ static nlohmann::json bench_scene(const std::string& name, const BenchJob& job)
     return result;
 }
 
-int run_bench(const Arguments& arguments)
+static int run_bench_path(const Arguments& arguments)
 {
     BenchJob job;
     job.settings.width = job.settings.height = 512;
@@ -175,6 +176,7 @@ int run_bench(const Arguments& arguments)
     Options options("bench",
                     "Measures the path tracer's samples a second beside a plain one over Embree with the same kernels, "
                     "interleaved in one run",
+                    "`snell bench accel SCENE...` measures the acceleration structures instead: see its --help.\n\n"
                     "Examples:\n"
                     "  snell bench cornell --size 256 --max-depth 0\n"
                     "  snell bench sponza.obj dragon.ply --json bench.json\n");
@@ -211,6 +213,13 @@ int run_bench(const Arguments& arguments)
         if (!file) throw Error({job.json_file, 0, 0}, "cannot be written", "choose another file for --json");
     }
     return 0;
+}
+
+int run_bench(const Arguments& arguments)
+{
+    const bool named = !arguments.empty() && (arguments[0] == "accel" || arguments[0] == "path");
+    const Arguments rest(arguments.begin() + (named ? 1 : 0), arguments.end());
+    return named && arguments[0] == "accel" ? run_bench_accel(rest) : run_bench_path(rest);
 }
 
 } // namespace snell::app

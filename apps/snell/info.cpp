@@ -1,6 +1,7 @@
 // snell info: what is in a scene, what was mended, and what looks wrong.
 #include "commands.h"
 #include "console.h"
+#include "info_bvh.h"
 #include "options.h"
 #include "scene_choice.h"
 
@@ -299,18 +300,24 @@ static void print_json(const Summary& summary)
 int run_info(const Arguments& arguments)
 {
     SceneChoice choice;
-    bool json = false, strict = false;
+    bool json = false, strict = false, bvh = false;
     Options options(
         "info", "Says what is in a scene, what was repaired, what looks wrong, and how much memory it takes.",
-        "Examples:\n  snell info dragon.ply\n  snell info cornell --json\n  snell info model.glb --strict\n");
+        "Examples:\n  snell info dragon.ply\n  snell info cornell --json\n  snell info dragon.ply --bvh\n  snell info model.glb --strict\n");
     options.positional("SCENE", scene_help, [&](const std::string& text) { choice.name = text; });
     add_loading_options(options, choice);
     options.flag("--json", "Print one JSON object", [&] { json = true; });
+    options.flag("--bvh", "Instead, a table of what each builder of acceleration structures makes of the scene",
+                 [&] { bvh = true; });
     options.flag("--strict", "Exit with 1 if anything is doubtful", [&] { strict = true; });
     options.flag("-q,--quiet", "Print no findings", [] { console().level = Console::Level::quiet; });
     options.flag("-v,--verbose", "Print all findings and textures", [] { console().level = Console::Level::verbose; });
     if (const auto code = options.parse(arguments)) return *code;
 
+    if (bvh) {
+        print_bvh_info(choice, json);
+        return 0;
+    }
     const Summary summary = summarise(choice);
     if (json)
         print_json(summary);

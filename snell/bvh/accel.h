@@ -58,7 +58,8 @@ struct AccelStats
 
 // Finds hits for batches of rays. Thread-safe after construction; refers to the PackedScene it was built from. A ray
 // with a NaN, a zero direction or an empty interval hits nothing. Ties in t go to the smaller primitive (then the
-// smaller instance), so that every structure gives the same answer.
+// smaller instance), so that every structure gives the same answer
+// (but for those of AccelInfo::exact false).
 class Accel
 {
   public:
@@ -89,6 +90,8 @@ struct AccelInfo
     std::string_view name;
     std::string_view summary;
     std::unique_ptr<Accel> (*make)(const PackedScene&, const AccelOptions&);
+    bool exact = true; // false: somebody else's code, whose hits may differ where edges are grazed, and which may not
+                       // be part of this build: make() then throws Error
 };
 
 std::span<const AccelInfo> accels(); // the first one is the default

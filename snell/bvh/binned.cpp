@@ -2,6 +2,8 @@
 #include "snell/bvh/partition.h"
 #include "snell/bvh/top_down.h"
 
+#include <bit>
+
 namespace snell {
 namespace {
 
@@ -16,71 +18,117 @@ constexpr std::size_t sample_size = 4096;
 // Maps twice a primitive's centre to a bin on each axis.
 struct Binning
 {
-    Vec4 origin, scale;
+    Vec4 origin, scale; // (centre - origin) * scale lies in [-1/2, bins - 1/2], and is rounded
     std::size_t bins;
 
-    Binning(const WideBox& centre, std::size_t count) : origin(centre.lower)
+    Binning(const WideBox& centre, std::size_t count)
     {
         // Few bins for few references: below, looking through bins takes as long as filling them.
         bins = std::min(max_bins, 4 + count / 8);
-        const Vec4 width = hn::Sub(centre.upper, centre.lower), zero = hn::Zero(Lanes4());
-        scale = hn::Div(hn::Set(Lanes4(), 0.99999f * static_cast<float>(bins)), width);
+        const Lanes4 d;
+        const Vec4 width = hn::Sub(centre.upper, centre.lower), zero = hn::Zero(d);
+        const Vec4 number = hn::Set(d, static_cast<float>(bins));
+        scale = hn::Div(number, width);
         // A width of 0, or one that overflows: all in bin 0.
         const auto possible = hn::And(hn::Gt(width, zero), hn::And(hn::IsFinite(width), hn::IsFinite(scale)));
         scale = hn::IfThenElse(possible, scale, zero);
+        origin = hn::Add(centre.lower, hn::Div(width, hn::Add(number, number)));
     }
 
-    // Bins on the three axes; the fourth number is 0.
-    IntVec4 find(const PrimitiveRef& ref) const
+    // Added to a small number it leaves the nearest integer in the low bits: cheaper than a conversion that minds
+    // overflow.
+    static constexpr float round = 0x1.8p23f;
+
+    // Bins on the three axes; the fourth number means nothing.
+    void find(Vec4 centre, std::uint32_t (&bin)[4]) const
     {
-        const Ints4 di;
-        const auto index = hn::ConvertTo(di, hn::Mul(hn::Sub(centre2(ref), origin), scale));
-        const auto top = hn::Set(di, static_cast<std::int32_t>(bins) - 1);
-        return hn::Max(hn::Min(index, top), hn::Zero(di));
+        const Lanes4 d;
+        const hn::RebindToUnsigned<Lanes4> du;
+        const Vec4 x = hn::Mul(hn::Sub(centre, origin), scale);
+        const Vec4 inside = hn::Min(hn::Max(x, hn::Zero(d)), hn::Set(d, static_cast<float>(bins - 1)));
+        static_assert(max_bins <= 128);
+        const auto bits = hn::And(hn::BitCast(du, hn::Add(inside, hn::Set(d, round))), hn::Set(du, 127));
+        hn::Store(bits, du, bin);
+    }
+};
+
+// What find() says of one axis, as a comparison: is the bin less than `bin`? The same roundings, so the same answer.
+struct IsBelow
+{
+    int axis;
+    float origin, scale, limit;
+
+    IsBelow(const Binning& binning, int on_axis, std::uint32_t bin)
+        : axis(on_axis), limit(Binning::round + static_cast<float>(bin))
+    {
+        alignas(16) float origins[4], scales[4];
+        hn::Store(binning.origin, Lanes4(), origins);
+        hn::Store(binning.scale, Lanes4(), scales);
+        origin = origins[axis], scale = scales[axis];
+    }
+    bool operator()(const PrimitiveRef& ref) const
+    {
+        return (centre2(ref, axis) - origin) * scale + Binning::round < limit;
+    }
+};
+
+// A box and how many are in it. The count is in the fourth lane of `upper`: the bits of 1.0f plus so many, which
+// maximum leaves alone, for a reference has 0 there.
+struct alignas(16) Bin
+{
+    float lower[4], upper[4];
+
+    static constexpr std::uint32_t no_count = 0x3f800000u;
+    static_assert(std::bit_cast<std::uint32_t>(1.0f) == no_count);
+
+    static WideBox empty()
+    {
+        WideBox box;
+        alignas(16) float upper[4];
+        hn::Store(box.upper, Lanes4(), upper);
+        upper[3] = 1.0f;
+        box.upper = hn::Load(Lanes4(), upper);
+        return box;
+    }
+    WideBox load() const { return {hn::Load(Lanes4(), lower), hn::Load(Lanes4(), upper)}; }
+    void store(const WideBox& box)
+    {
+        hn::Store(box.lower, Lanes4(), lower);
+        hn::Store(box.upper, Lanes4(), upper);
+    }
+    void add(Vec4 lo, Vec4 hi)
+    {
+        const hn::RebindToUnsigned<Lanes4> du;
+        alignas(16) static constexpr std::uint32_t one[4] = {0, 0, 0, 1};
+        WideBox box = load();
+        box.extend(lo, hi);
+        box.upper = hn::BitCast(Lanes4(), hn::Add(hn::BitCast(du, box.upper), hn::Load(du, one)));
+        store(box);
     }
 };
 
 struct Histogram
 {
-    alignas(16) float lower[max_bins][3][4], upper[max_bins][3][4];
-    alignas(16) std::int32_t counts[max_bins][4]; // by axis
+    Bin axes[3][max_bins];
 
     // Only as many bins as are needed are made empty.
     explicit Histogram(std::size_t bins)
     {
-        const WideBox empty;
-        for (std::size_t i = 0; i < bins; ++i) {
-            for (std::size_t axis = 0; axis < 3; ++axis) store(i, axis, empty);
-            hn::Store(hn::Zero(Ints4()), Ints4(), counts[i]);
-        }
-    }
-
-    WideBox load(std::size_t bin, std::size_t axis) const
-    {
-        return {hn::Load(Lanes4(), lower[bin][axis]), hn::Load(Lanes4(), upper[bin][axis])};
-    }
-    void store(std::size_t bin, std::size_t axis, const WideBox& box)
-    {
-        hn::Store(box.lower, Lanes4(), lower[bin][axis]);
-        hn::Store(box.upper, Lanes4(), upper[bin][axis]);
+        const WideBox empty = Bin::empty();
+        for (auto& axis : axes)
+            for (std::size_t i = 0; i < bins; ++i) axis[i].store(empty);
     }
 
     void add(const PrimitiveRef& ref, const Binning& binning)
     {
-        alignas(16) std::int32_t bin[4];
-        hn::Store(binning.find(ref), Ints4(), bin);
         const Vec4 lo = load3(ref.lower), hi = load3(ref.upper);
-        for (std::size_t axis = 0; axis < 3; ++axis) {
-            const auto i = static_cast<std::size_t>(bin[axis]);
-            WideBox box = load(i, axis);
-            box.extend(lo, hi);
-            store(i, axis, box);
-            ++counts[i][axis];
-        }
+        alignas(16) std::uint32_t bin[4];
+        binning.find(hn::Add(lo, hi), bin);
+        for (std::size_t axis = 0; axis < 3; ++axis) axes[axis][bin[axis]].add(lo, hi);
     }
 };
 
-// Three boxes and their counts, each grown along its own axis.
+// Three boxes and their counts, each grown along its own axis. Fourth lanes mean nothing.
 struct Growing
 {
     WideBox boxes[3];
@@ -88,12 +136,20 @@ struct Growing
 
     void extend(const Histogram& histogram, std::size_t bin)
     {
-        for (std::size_t axis = 0; axis < 3; ++axis) boxes[axis].extend(histogram.load(bin, axis));
-        counts = hn::Add(counts, hn::Load(Ints4(), histogram.counts[bin]));
+        const Lanes4 d;
+        Vec4 upper[3];
+        for (std::size_t axis = 0; axis < 3; ++axis) {
+            const WideBox box = histogram.axes[axis][bin].load();
+            boxes[axis].extend(box);
+            upper[axis] = box.upper;
+        }
+        const Vec4 two = hn::InterleaveUpper(d, upper[0], upper[1]); // z0 z1 count0 count1
+        const Vec4 three = hn::ConcatUpperUpper(d, hn::Shuffle2301(upper[2]), two);
+        counts = hn::Add(counts, hn::Sub(hn::BitCast(Ints4(), three), hn::Set(Ints4(), std::int32_t{Bin::no_count})));
     }
 
-    // Half the surface times blocks, by axis. A NaN, which no comparison likes, where there is nothing (the surface of
-    // an empty box is infinite) and in the fourth lane.
+    // Half the surface times blocks, by axis. A NaN, which no comparison likes, where there is nothing: an empty box
+    // has an infinite surface.
     Vec4 cost() const
     {
         const Lanes4 d;
@@ -105,18 +161,17 @@ struct Growing
         const Vec4 y = hn::ConcatLowerUpper(d, hn::Shuffle2301(e[2]), low);
         const Vec4 z = hn::ConcatUpperLower(d, e[2], high);
         const Vec4 area = hn::Add(hn::Mul(x, hn::Add(y, z)), hn::Mul(y, z));
-        static_assert(max_leaf_size == 4);
-        const IntVec4 blocks = hn::ShiftRight<2>(hn::Add(counts, hn::Set(Ints4(), 3)));
-        const Vec4 nothing = hn::Set(d, std::numeric_limits<float>::quiet_NaN());
-        const auto some = hn::RebindMask(d, hn::Gt(counts, hn::Zero(Ints4())));
-        return hn::IfThenElse(some, hn::Mul(area, hn::ConvertTo(d, blocks)), nothing);
+        static_assert(std::has_single_bit(max_leaf_size));
+        constexpr int shift = std::countr_zero(max_leaf_size);
+        const IntVec4 blocks = hn::ShiftRight<shift>(hn::Add(counts, hn::Set(Ints4(), max_leaf_size - 1)));
+        return hn::Mul(area, hn::ConvertTo(d, blocks));
     }
 };
 
 struct Plane3
 {
-    int axis = -1;        // -1: no plane separates the centres
-    std::int32_t bin = 0; // the first one on the right
+    int axis = -1;         // -1: no plane separates the centres
+    std::uint32_t bin = 0; // the first one on the right
 };
 
 Plane3 best_split(const Histogram& histogram, const Binning& binning)
@@ -145,10 +200,10 @@ Plane3 best_split(const Histogram& histogram, const Binning& binning)
     Plane3 split;
     for (int axis = 0; axis < 3; ++axis)
         if (bins[axis] > 0.0f && (split.axis < 0 || costs[axis] < costs[split.axis]))
-            split = {axis, static_cast<std::int32_t>(bins[axis])};
+            split = {axis, static_cast<std::uint32_t>(bins[axis])};
     // Costs that overflow: any plane will do, and as the outermost bins hold something, the middle one separates.
     for (int axis = 0; axis < 3 && split.axis < 0; ++axis)
-        if (scale[axis] > 0.0f) split = {axis, static_cast<std::int32_t>(binning.bins / 2)};
+        if (scale[axis] > 0.0f) split = {axis, static_cast<std::uint32_t>(binning.bins / 2)};
     return split;
 }
 
@@ -164,14 +219,7 @@ class BinnedSplitter : public RefPartition
         const Binning binning(part.extents.centre, count);
         const Plane3 plane = halve_it ? Plane3() : best_split(fill(part, binning), binning);
         if (plane.axis < 0) return halve(part, left, right); // all centres in one place
-        RefPartition::split(
-            part,
-            [&](const PrimitiveRef& ref) {
-                alignas(16) std::int32_t bin[4];
-                hn::Store(binning.find(ref), Ints4(), bin);
-                return bin[plane.axis] < plane.bin;
-            },
-            left, right);
+        RefPartition::split(part, IsBelow(binning, plane.axis, plane.bin), left, right);
     }
 
   private:

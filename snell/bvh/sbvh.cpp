@@ -1,9 +1,10 @@
 // Spatial splits (Stich, Friedrich, Dietrich 2009, Spatial Splits in Bounding Volume Hierarchies).
 //
 // Top down. Every set of references may grow by a budget of its own: what a node leaves of its budget is divided
-// between its children. Large sets lie in one of two arrays, with room for their budget behind them, and their halves
-// are written to the other one; small ones are built by one thread on a stack. A set never holds two references to one
-// primitive, for the parts of a cut go to different sides.
+// between its children. A set owns a region in two arrays, with room for its budget; its halves are written to the
+// other array, the left one at the region's beginning and the right one at its end, so that what is between them can
+// be divided afterwards. A set never holds two references to one primitive: the parts of a cut go to different sides.
+#include "snell/bvh/big_pages.h"
 #include "snell/bvh/build.h"
 #include "snell/bvh/clip.h"
 #include "snell/bvh/sbvh_bins.h"
@@ -17,12 +18,24 @@ namespace {
 
 using namespace sbvh;
 
-constexpr int sah_depth = 64;               // deeper nodes are cut in the middle: at most 30 levels more
+constexpr int halving_depth = 64;           // deeper sets are halved by number: at most 28 levels more
 constexpr std::size_t piece_size = 8192;    // subtrees up to here are built by one thread
 constexpr std::size_t chunk_size = 1 << 15; // of parallel passes; fixed, for the result must not depend on threads
-constexpr double least_overlap = 1e-5;      // of the children, against the root, for trying a spatial split
 
-// What becomes of a reference when its set is divided.
+// When a spatial split is worth trying: the children of the object split have so much surface in common, against the
+// root's and against the node's own; and there is more below than a few leaves, which gain nothing.
+constexpr double overlap_of_root = 1e-5, overlap_of_node = 0.03;
+constexpr std::size_t least_count = 17;
+
+// References in one of the arrays.
+struct Set
+{
+    const PrimitiveRef* refs;
+    std::size_t count, budget; // budget: how many more they may become
+    std::size_t place;         // where the set's region of count + budget begins
+    Extents extents;
+};
+
 enum class Side
 {
     left,
@@ -30,89 +43,142 @@ enum class Side
     both
 };
 
-// How to divide a set: at a plane, by the bin of the centre, or by number.
-struct Division
+struct ByNumber
 {
-    enum class Kind
+    std::size_t left_count;
+    bool operator()(const PrimitiveRef&, std::size_t number) const { return number < left_count; }
+};
+
+struct ByCentre
+{
+    const Slabs& slabs;
+    const Split& split;
+    bool operator()(const PrimitiveRef& ref, std::size_t) const
     {
-        spatial,
-        object,
-        halves
-    } kind;
-    Slabs slabs;
-    Split split;
-    float plane = 0;
-    std::size_t half = 0;
+        alignas(16) std::int32_t bin[4];
+        slabs.find(hn::Add(load3(ref.lower), load3(ref.upper)), bin);
+        return bin[split.axis] < static_cast<std::int32_t>(split.bin);
+    }
 };
 
-// The two parts of a reference.
-struct Parts
-{
-    PrimitiveRef left, right;
-};
-
-class Divider
+// Cuts triangles at a plane, or leaves them whole where that is cheaper.
+class ByPlane
 {
   public:
-    Divider(const PackedScene& packed, const Division& how) : scene(packed), division(how)
+    ByPlane(const PackedScene& packed, const Split& best, float where)
+        : scene(packed), split(best), plane(where), left_area(split.left.half_area()),
+          right_area(split.right.half_area()), left_count(static_cast<float>(split.left_count)),
+          right_count(static_cast<float>(split.right_count))
     {
-        const Split& split = division.split;
-        if (division.kind != Division::Kind::spatial) return;
-        left_cost = split.left.half_area() * static_cast<float>(split.left_count);
-        right_cost = split.right.half_area() * static_cast<float>(split.right_count);
     }
 
-    // number: the reference's place in its set. parts is written for Side::both.
-    Side operator()(const PrimitiveRef& ref, std::size_t number, Parts& parts) const
+    // left and right are the reference's parts, where they are on that side.
+    Side operator()(const PrimitiveRef& ref, PrimitiveRef& left, PrimitiveRef& right) const
     {
-        if (division.kind == Division::Kind::halves) return number < division.half ? Side::left : Side::right;
-        const int axis = division.split.axis;
-        if (division.kind == Division::Kind::object) {
-            alignas(16) std::int32_t bin[4];
-            division.slabs.find(hn::Add(load3(ref.lower), load3(ref.upper)), bin);
-            return static_cast<uint>(bin[axis]) < division.split.bin ? Side::left : Side::right;
-        }
-        if (ref.upper[axis] <= division.plane) return Side::left;
-        if (ref.lower[axis] >= division.plane) return Side::right;
+        left = right = ref;
+        const int axis = split.axis;
+        if (ref.upper[axis] <= plane) return Side::left;
+        if (ref.lower[axis] >= plane) return Side::right;
         if (ref.kind != RefKind::triangle)
-            return 0.5f * ref.lower[axis] + 0.5f * ref.upper[axis] < division.plane ? Side::left : Side::right;
-        return straddling(ref, parts);
-    }
+            return 0.5f * ref.lower[axis] + 0.5f * ref.upper[axis] < plane ? Side::left : Side::right;
 
-  private:
-    const PackedScene& scene;
-    const Division& division;
-    float left_cost = 0, right_cost = 0;
-
-    Side straddling(const PrimitiveRef& ref, Parts& parts) const
-    {
-        // Reference unsplitting: whole on one side, if that costs less. By what the bins said of the sides, whatever
-        // becomes of other references, so that the order does not matter.
-        const Split& split = division.split;
+        // Reference unsplitting. By what the bins said of the sides, whatever becomes of other references, so that
+        // their order does not matter.
         const Vec lo = load3(ref.lower), hi = load3(ref.upper);
         WideBox with_left = split.left, with_right = split.right;
         with_left.extend(lo, hi);
         with_right.extend(lo, hi);
-        const float both = left_cost + right_cost;
-        const float only_left =
-            with_left.half_area() * static_cast<float>(split.left_count) + right_cost - split.right.half_area();
-        const float only_right =
-            with_right.half_area() * static_cast<float>(split.right_count) + left_cost - split.left.half_area();
+        const float both = left_area * left_count + right_area * right_count;
+        const float only_left = with_left.half_area() * left_count + right_area * (right_count - 1.0f);
+        const float only_right = left_area * (left_count - 1.0f) + with_right.half_area() * right_count;
         if (std::min(only_left, only_right) < both) return only_left <= only_right ? Side::left : Side::right;
 
         const Triangle& tri = scene.triangles[ref.index];
         const vec3 v[3] = {scene.positions[tri.v0], scene.positions[tri.v1], scene.positions[tri.v2]};
-        const CutBoxes cut = cut_triangle(v, split.axis, division.plane);
+        const CutBoxes cut = cut_triangle(v, axis, plane);
         const Box whole = {ref.lower, ref.upper};
-        const Box left = intersection(cut.below, whole), right = intersection(cut.above, whole);
+        const Box below = intersection(cut.below, whole), above = intersection(cut.above, whole);
         // Where earlier cuts have left nothing of one part, the other is all there is.
-        if (right.empty()) return Side::left;
-        if (left.empty()) return Side::right;
-        parts.left = {left.lower, ref.index, left.upper, ref.kind};
-        parts.right = {right.lower, ref.index, right.upper, ref.kind};
+        if (above.empty()) return Side::left;
+        if (below.empty()) return Side::right;
+        left.lower = below.lower, left.upper = below.upper;
+        right.lower = above.lower, right.upper = above.upper;
         return Side::both;
     }
+
+  private:
+    const PackedScene& scene;
+    const Split& split;
+    float plane, left_area, right_area, left_count, right_count;
 };
+
+// Both ends of a region that is being filled.
+struct Ends
+{
+    PrimitiveRef* left;  // where the next one goes
+    PrimitiveRef* right; // one past where the next one goes
+    Extents left_extents, right_extents;
+};
+
+constexpr std::size_t block_size = 256; // so few that they are still in the first-level cache for the extents
+
+// Writes the references to either end. numbers of the references in their set begin at `first`.
+template <class IsLeft>
+bool write_sides(std::span<const PrimitiveRef> refs, std::size_t first, const IsLeft& is_left, Ends& ends)
+{
+    for (std::size_t i = 0; i < refs.size();) {
+        const PrimitiveRef *left = ends.left, *right = ends.right;
+        for (const std::size_t stop = std::min(i + block_size, refs.size()); i < stop; ++i) {
+            // No branch: which side it is nobody can foresee.
+            const std::ptrdiff_t is = is_left(refs[i], first + i) ? 1 : 0;
+            PrimitiveRef* const to[2] = {ends.right - 1, ends.left};
+            *to[is] = refs[i];
+            ends.left += is;
+            ends.right -= 1 - is;
+        }
+        for (; left < ends.left; ++left) ends.left_extents.extend(*left);
+        for (; right > ends.right; --right) ends.right_extents.extend(right[-1]);
+    }
+    return true;
+}
+
+// The same with cuts. False if the ends would cross.
+bool write_sides(std::span<const PrimitiveRef> refs, std::size_t, const ByPlane& side_of, Ends& ends)
+{
+    PrimitiveRef left, right;
+    for (const PrimitiveRef& ref : refs) {
+        const Side side = side_of(ref, left, right);
+        if (ends.right - ends.left < (side == Side::both ? 2 : 1)) return false;
+        if (side != Side::right) *ends.left++ = left, ends.left_extents.extend(left);
+        if (side != Side::left) *--ends.right = right, ends.right_extents.extend(right);
+    }
+    return true;
+}
+
+struct Counts
+{
+    std::size_t left = 0, right = 0;
+};
+
+template <class IsLeft>
+Counts count_sides(std::span<const PrimitiveRef> refs, std::size_t first, const IsLeft& is_left)
+{
+    std::size_t left = 0;
+    for (std::size_t i = 0; i < refs.size(); ++i) left += is_left(refs[i], first + i) ? 1 : 0;
+    return {left, refs.size() - left};
+}
+
+Counts count_sides(std::span<const PrimitiveRef> refs, std::size_t, const ByPlane& side_of)
+{
+    Counts counts;
+    PrimitiveRef left, right;
+    for (const PrimitiveRef& ref : refs) {
+        const Side side = side_of(ref, left, right);
+        counts.left += side != Side::right;
+        counts.right += side != Side::left;
+    }
+    return counts;
+}
 
 // Part of the tree: an inner node over two pieces, or nodes and entries in final order with links that count from their
 // own first ones.
@@ -122,15 +188,6 @@ struct Piece
     std::vector<BinaryTree::Entry> order;
     std::unique_ptr<Piece> left, right;
     std::size_t node_count = 0, entry_count = 0;
-};
-
-// References in one of the arrays, and how many more there may become.
-struct Set
-{
-    const PrimitiveRef* refs;
-    std::size_t count, budget;
-    std::size_t place; // in both arrays; count + budget entries from there on are the set's own
-    Extents extents;
 };
 
 class Builder
@@ -147,12 +204,11 @@ class Builder
         const double most = static_cast<double>((std::size_t{1} << 30) - 1 - refs.size());
         root.budget = static_cast<std::size_t>(std::clamp(split_budget * double(refs.size()), 0.0, most));
         root.extents = extents_of(root);
-        const double area = root.extents.box.box().half_area();
-        overlap_limit = least_overlap * area;
-        if (root.count > piece_size)
-            for (auto& array : arrays) array = std::make_unique_for_overwrite<PrimitiveRef[]>(root.count + root.budget);
+        least_overlap = overlap_of_root * root.extents.box.box().half_area();
+        for (Array& array : arrays)
+            array.reset(static_cast<PrimitiveRef*>(allocate_big((root.count + root.budget) * sizeof(PrimitiveRef))));
         const std::unique_ptr<Piece> top = build_piece(root, 0);
-        for (auto& array : arrays) array.reset();
+        for (Array& array : arrays) array.reset();
         refs = {};
         tree.nodes.resize(top->node_count);
         tree.order.resize(top->entry_count);
@@ -161,97 +217,149 @@ class Builder
     }
 
   private:
-    const PackedScene& scene;
-    std::unique_ptr<PrimitiveRef[]> arrays[2];
-    double overlap_limit = 0;
-
-    // Chunks of fixed size; body(chunk, begin, end) for each, in parallel where there is more than one or two.
-    template <class Body>
-    static void for_chunks(std::size_t count, const Body& body)
+    struct Free
     {
-        if (chunks(count) == 1)
-            body(0, 0, count);
-        else
-            parallel_for(chunks(count), [&](std::size_t chunk) {
-                body(chunk, chunk * chunk_size, std::min((chunk + 1) * chunk_size, count));
-            });
-    }
+        void operator()(PrimitiveRef* memory) const { free_big(memory); }
+    };
+    using Array = std::unique_ptr<PrimitiveRef, Free>;
+
+    const PackedScene& scene;
+    Array arrays[2];
+    double least_overlap = 0;
+
+    // Chunks of fixed size, in parallel; only one, if there are few references.
     static std::size_t chunks(std::size_t count)
     {
         return count > 2 * chunk_size ? (count + chunk_size - 1) / chunk_size : 1;
     }
+    // Calls body(chunk, first, references) for each.
+    template <class Body>
+    static void for_chunks(const Set& set, const Body& body)
+    {
+        parallel_for(chunks(set.count), [&](std::size_t chunk) {
+            const std::size_t first = chunk * chunk_size;
+            body(chunk, first, std::span(set.refs + first, std::min(chunk_size, set.count - first)));
+        });
+    }
 
     static Extents extents_of(const Set& set)
     {
-        std::vector<Extents> parts(chunks(set.count));
-        for_chunks(set.count, [&](std::size_t chunk, std::size_t begin, std::size_t end) {
-            for (std::size_t i = begin; i < end; ++i) parts[chunk].extend(set.refs[i]);
+        std::vector<Extents> parts((set.count + chunk_size - 1) / chunk_size);
+        parallel_for(parts.size(), [&](std::size_t chunk) {
+            Extents part;
+            const std::size_t first = chunk * chunk_size;
+            for (const PrimitiveRef& ref : std::span(set.refs + first, std::min(chunk_size, set.count - first)))
+                part.extend(ref);
+            parts[chunk] = part;
         });
         for (std::size_t i = 1; i < parts.size(); ++i) parts[0].extend(parts[i]);
         return parts[0];
     }
 
-    // Fill(histogram, refs) on all of the set.
+    // The best split of bins that fill(bins, references) fills.
     template <class Bins, class Fill>
-    static void histogram_of(Bins& histogram, const Set& set, const Fill& fill)
+    static Split best_split(const Set& set, const Slabs& slabs, const Fill& fill)
     {
+        Bins bins(slabs.bins);
         if (chunks(set.count) == 1) {
-            fill(histogram, std::span(set.refs, set.count));
-            return;
+            fill(bins, std::span(set.refs, set.count));
+        } else {
+            std::vector<Bins> parts(chunks(set.count), bins);
+            for_chunks(set, [&](std::size_t chunk, std::size_t, std::span<const PrimitiveRef> refs) {
+                fill(parts[chunk], refs);
+            });
+            for (const Bins& part : parts) bins.add(part);
         }
-        std::vector<Bins> parts(chunks(set.count), histogram);
-        for_chunks(set.count, [&](std::size_t chunk, std::size_t begin, std::size_t end) {
-            fill(parts[chunk], std::span(set.refs + begin, end - begin));
-        });
-        for (const Bins& part : parts) histogram.add(part);
+        return bins.best(slabs.possible);
     }
 
-    Division object_division(const Set& set) const
+    bool try_spatial(const Set& set, const Split& object) const
     {
-        Division division{
-            Division::Kind::object,
-            Slabs(set.extents.centroid.box(), static_cast<uint>(std::min<std::size_t>(object_bins, 4 + set.count / 2))),
-            {}};
-        ObjectBins bins(division.slabs.bins);
-        histogram_of(bins, set, [&](ObjectBins& histogram, std::span<const PrimitiveRef> refs) {
-            add_objects(histogram, refs, division.slabs);
-        });
-        division.split = bins.best(division.slabs.possible);
-        return division;
+        if (set.budget == 0 || set.count < least_count) return false;
+        if (object.axis < 0) return true;
+        const double overlap = intersection(object.left.box(), object.right.box()).half_area();
+        return overlap > least_overlap && overlap > overlap_of_node * set.extents.box.box().half_area();
     }
 
-    Division spatial_division(const Set& set) const
+    // Divides a set of at least two: both sides get at least one reference, and what is left of the budget.
+    void divide(const Set& set, int depth, Set& left, Set& right) const
     {
-        Division division{Division::Kind::spatial, Slabs(set.extents.box.box(), spatial_bins), {}};
-        SpatialBins bins(spatial_bins);
-        histogram_of(bins, set, [&](SpatialBins& histogram, std::span<const PrimitiveRef> refs) {
-            add_chopped(histogram, scene, refs, division.slabs);
-        });
-        division.split = bins.best(division.slabs.possible);
-        if (division.split.axis >= 0) division.plane = division.slabs.plane(division.split.axis, division.split.bin);
-        return division;
-    }
-
-    // The ways to divide a set, best first; the last one always works.
-    std::vector<Division> divisions(const Set& set, int depth) const
-    {
-        std::vector<Division> ways;
-        if (depth < sah_depth) {
-            const Division object = object_division(set);
-            const bool possible = object.split.axis >= 0;
-            const Box common = intersection(object.split.left.box(), object.split.right.box());
-            if (set.budget > 0 && (!possible || common.half_area() > overlap_limit)) {
-                const Division spatial = spatial_division(set);
-                const Split& split = spatial.split;
-                if (split.axis >= 0 && split.cost < object.split.cost &&
-                    split.left_count + split.right_count - set.count <= set.budget)
-                    ways.push_back(spatial);
+        if (depth < halving_depth) {
+            const Slabs by_centre(set.extents.centroid.box(),
+                                  static_cast<uint>(std::min<std::size_t>(object_bins, 4 + set.count / 2)));
+            const Split object =
+                best_split<ObjectBins>(set, by_centre, [&](ObjectBins& bins, std::span<const PrimitiveRef> refs) {
+                    add_objects(bins, refs, by_centre);
+                });
+            if (try_spatial(set, object)) {
+                const Slabs slabs(set.extents.box.box(), spatial_bins);
+                const Split split =
+                    best_split<SpatialBins>(set, slabs, [&](SpatialBins& bins, std::span<const PrimitiveRef> refs) {
+                        add_chopped(bins, scene, refs, slabs);
+                    });
+                if (split.axis >= 0 && split.cost < object.cost &&
+                    divide_by(ByPlane(scene, split, slabs.plane(split.axis, split.bin)), set, depth, left, right))
+                    return;
             }
-            if (possible) ways.push_back(object);
+            if (object.axis >= 0 && divide_by(ByCentre{by_centre, object}, set, depth, left, right)) return;
         }
         // All centres in one place, or a hostile distribution that SAH would peel one by one.
-        ways.push_back({Division::Kind::halves, Slabs({}, 1), {}, 0, set.count / 2});
-        return ways;
+        divide_by(ByNumber{set.count / 2}, set, depth, left, right);
+    }
+
+    // False if a side gets nothing, or both more than there is room for.
+    template <class SideOf>
+    bool divide_by(const SideOf& side_of, const Set& set, int depth, Set& left, Set& right) const
+    {
+        PrimitiveRef* const region = arrays[depth % 2].get() + set.place;
+        const std::size_t room = set.count + set.budget;
+        Ends all{region, region + room, {}, {}};
+        if (chunks(set.count) == 1) {
+            if (!write_sides(std::span(set.refs, set.count), 0, side_of, all)) return false;
+        } else if (!write_chunks(side_of, set, all)) {
+            return false;
+        }
+        const auto left_count = static_cast<std::size_t>(all.left - region);
+        const auto right_count = static_cast<std::size_t>(region + room - all.right);
+        if (left_count == 0 || right_count == 0) return false;
+        const std::size_t budget = room - left_count - right_count;
+        // By the surfaces of the references: large ones are worth cutting.
+        const double part = all.left_extents.weight / (all.left_extents.weight + all.right_extents.weight);
+        const std::size_t share =
+            part >= 0 && part <= 1 ? static_cast<std::size_t>(part * static_cast<double>(budget)) : budget / 2;
+        left = {region, left_count, share, set.place, all.left_extents};
+        right = {all.right, right_count, budget - share, set.place + left_count + share, all.right_extents};
+        return true;
+    }
+
+    // Counts first: then each chunk knows where its share belongs.
+    template <class SideOf>
+    static bool write_chunks(const SideOf& side_of, const Set& set, Ends& all)
+    {
+        std::vector<Counts> counts(chunks(set.count));
+        for_chunks(set, [&](std::size_t chunk, std::size_t first, std::span<const PrimitiveRef> refs) {
+            counts[chunk] = count_sides(refs, first, side_of);
+        });
+        Counts sum;
+        for (Counts& count : counts) {
+            const Counts before = sum;
+            sum.left += count.left, sum.right += count.right;
+            count = before;
+        }
+        if (sum.left + sum.right > set.count + set.budget) return false;
+        std::vector<Ends> parts(counts.size());
+        for_chunks(set, [&](std::size_t chunk, std::size_t first, std::span<const PrimitiveRef> refs) {
+            Ends ends{all.left + counts[chunk].left, all.right - counts[chunk].right, {}, {}};
+            write_sides(refs, first, side_of, ends);
+            parts[chunk] = ends;
+        });
+        all.left += sum.left;
+        all.right -= sum.right;
+        for (const Ends& part : parts) {
+            all.left_extents.extend(part.left_extents);
+            all.right_extents.extend(part.right_extents);
+        }
+        return true;
     }
 
     static bool is_leaf(const Set& set)
@@ -262,80 +370,20 @@ class Builder
                            [&](const PrimitiveRef& ref) { return ref.kind == set.refs[0].kind; });
     }
 
-    // Shares what is left of a budget, by the surfaces of the references: large ones are worth cutting.
-    static std::size_t left_share(std::size_t budget, const Extents& left, const Extents& right)
-    {
-        const double part = left.weight / (left.weight + right.weight);
-        return part >= 0 && part <= 1 ? static_cast<std::size_t>(part * static_cast<double>(budget)) : budget / 2;
-    }
-
-    struct Counts
-    {
-        std::size_t left = 0, right = 0;
-    };
-
-    // Divides a large set into `target`: false if a side got nothing, or both more than there is room for.
-    bool divide(const Set& set, const Division& division, PrimitiveRef* target, Set& left, Set& right) const
-    {
-        const Divider side_of(scene, division);
-        std::vector<Counts> counts(chunks(set.count) + 1);
-        std::vector<std::pair<Extents, Extents>> extents(chunks(set.count));
-        for_chunks(set.count, [&](std::size_t chunk, std::size_t begin, std::size_t end) {
-            Parts parts;
-            for (std::size_t i = begin; i < end; ++i) {
-                const Side side = side_of(set.refs[i], i, parts);
-                const PrimitiveRef& l = side == Side::both ? parts.left : set.refs[i];
-                const PrimitiveRef& r = side == Side::both ? parts.right : set.refs[i];
-                if (side != Side::right) ++counts[chunk + 1].left, extents[chunk].first.extend(l);
-                if (side != Side::left) ++counts[chunk + 1].right, extents[chunk].second.extend(r);
-            }
-        });
-        for (std::size_t i = 1; i < counts.size(); ++i) {
-            counts[i].left += counts[i - 1].left;
-            counts[i].right += counts[i - 1].right;
-        }
-        const Counts all = counts.back();
-        if (all.left == 0 || all.right == 0 || all.left + all.right > set.count + set.budget) return false;
-        for (std::size_t i = 1; i < extents.size(); ++i) {
-            extents[0].first.extend(extents[i].first);
-            extents[0].second.extend(extents[i].second);
-        }
-
-        const std::size_t budget = set.budget - (all.left + all.right - set.count);
-        const std::size_t share = left_share(budget, extents[0].first, extents[0].second);
-        const std::size_t middle = set.place + all.left + share;
-        left = {target + set.place, all.left, share, set.place, extents[0].first};
-        right = {target + middle, all.right, budget - share, middle, extents[0].second};
-        for_chunks(set.count, [&](std::size_t chunk, std::size_t begin, std::size_t end) {
-            PrimitiveRef* to_left = target + left.place + counts[chunk].left;
-            PrimitiveRef* to_right = target + right.place + counts[chunk].right;
-            Parts parts;
-            for (std::size_t i = begin; i < end; ++i) {
-                const Side side = side_of(set.refs[i], i, parts);
-                if (side != Side::right) *to_left++ = side == Side::both ? parts.left : set.refs[i];
-                if (side != Side::left) *to_right++ = side == Side::both ? parts.right : set.refs[i];
-            }
-        });
-        return true;
-    }
-
-    std::unique_ptr<Piece> build_piece(const Set& set, int depth)
+    std::unique_ptr<Piece> build_piece(const Set& set, int depth) const
     {
         auto piece = std::make_unique<Piece>();
         if (set.count <= piece_size) {
-            std::vector<PrimitiveRef> stack, lefts;
-            stack.reserve(set.count + set.budget);
-            stack.assign(set.refs, set.refs + set.count);
-            build_nodes(*piece, stack, lefts, set.count, set.budget, set.extents, depth);
+            piece->nodes.reserve(set.count * 3 / 4 + 1); // leaves of 3 and more
+            piece->order.reserve(set.count + set.budget);
+            build_nodes(*piece, set, depth);
             piece->node_count = piece->nodes.size();
             piece->entry_count = piece->order.size();
             return piece;
         }
         piece->nodes.push_back({set.extents.box.box(), 0, 0});
-        PrimitiveRef* target = arrays[depth % 2].get();
         Set left, right;
-        for (const Division& division : divisions(set, depth))
-            if (divide(set, division, target, left, right)) break;
+        divide(set, depth, left, right);
         parallel_both([&] { piece->left = build_piece(left, depth + 1); },
                       [&] { piece->right = build_piece(right, depth + 1); });
         piece->node_count = 1 + piece->left->node_count + piece->right->node_count;
@@ -343,55 +391,25 @@ class Builder
         return piece;
     }
 
-    // The last `count` references of the stack are the node's, and are taken from it. Returns what is left of the
-    // budget.
-    std::size_t build_nodes(Piece& piece, std::vector<PrimitiveRef>& stack, std::vector<PrimitiveRef>& lefts,
-                            std::size_t count, std::size_t budget, const Extents& extents, int depth)
+    // Returns what is left of the budget.
+    std::size_t build_nodes(Piece& piece, const Set& set, int depth) const
     {
-        const std::size_t base = stack.size() - count, self = piece.nodes.size();
-        const Set set{stack.data() + base, count, budget, 0, extents};
-        piece.nodes.push_back({extents.box.box(), 0, 0});
+        const std::size_t self = piece.nodes.size();
         if (is_leaf(set)) {
-            piece.nodes[self].link = static_cast<uint>(piece.order.size());
-            piece.nodes[self].count = static_cast<uint>(count);
-            for (std::size_t i = base; i < stack.size(); ++i) piece.order.push_back({stack[i].index, stack[i].kind});
-            stack.resize(base);
-            return budget;
+            piece.nodes.push_back(
+                {set.extents.box.box(), static_cast<uint>(piece.order.size()), static_cast<uint>(set.count)});
+            for (const PrimitiveRef& ref : std::span(set.refs, set.count)) piece.order.push_back({ref.index, ref.kind});
+            return set.budget;
         }
-        Extents left, right;
-        std::size_t left_count = 0;
-        for (const Division& division : divisions(set, depth))
-            if (divide_top(stack, lefts, set, division, left, right, left_count)) break;
-        const std::size_t right_count = stack.size() - base - left_count;
-        const std::size_t rest = budget - (left_count + right_count - count), share = left_share(rest, left, right);
-        const std::size_t returned = build_nodes(piece, stack, lefts, left_count, share, left, depth + 1);
+        piece.nodes.push_back({set.extents.box.box(), 0, 0});
+        Set left, right;
+        divide(set, depth, left, right);
+        // The right one gets what the left one did not need, and the room as well.
+        const std::size_t unused = build_nodes(piece, left, depth + 1);
+        right.budget += unused;
+        right.place -= unused;
         piece.nodes[self].link = static_cast<uint>(piece.nodes.size());
-        return build_nodes(piece, stack, lefts, right_count, rest - share + returned, right, depth + 1);
-    }
-
-    // Puts the left side's references on top of the right side's. False, and nothing done, as in divide().
-    bool divide_top(std::vector<PrimitiveRef>& stack, std::vector<PrimitiveRef>& lefts, const Set& set,
-                    const Division& division, Extents& left, Extents& right, std::size_t& left_count) const
-    {
-        const Divider side_of(scene, division);
-        const std::size_t base = stack.size() - set.count;
-        std::vector<PrimitiveRef> rights;
-        lefts.clear();
-        left = right = {};
-        Parts parts;
-        for (std::size_t i = 0; i < set.count; ++i) {
-            const PrimitiveRef& ref = stack[base + i];
-            const Side side = side_of(ref, i, parts);
-            if (side != Side::right) lefts.push_back(side == Side::both ? parts.left : ref), left.extend(lefts.back());
-            if (side != Side::left)
-                rights.push_back(side == Side::both ? parts.right : ref), right.extend(rights.back());
-        }
-        if (lefts.empty() || rights.empty() || lefts.size() + rights.size() > set.count + set.budget) return false;
-        stack.resize(base);
-        stack.insert(stack.end(), rights.begin(), rights.end());
-        stack.insert(stack.end(), lefts.begin(), lefts.end());
-        left_count = lefts.size();
-        return true;
+        return build_nodes(piece, right, depth + 1);
     }
 
     static void flatten(const Piece& piece, BinaryTree& tree, std::size_t node, std::size_t entry)

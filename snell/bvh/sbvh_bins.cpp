@@ -1,48 +1,88 @@
 #include "snell/bvh/sbvh_bins.h"
 
-#include <utility>
+#include <optional>
 
 namespace snell::sbvh {
 namespace {
 
-Vec load_vertex(const vec3& v)
+struct Points
 {
-    alignas(16) const float x[4] = {v.x, v.y, v.z, 0.0f};
-    return hn::Load(Lanes(), x);
-}
+    alignas(16) float at[3][4]; // the fourth numbers are 0
 
-// A triangle whose vertices are sorted along an axis, for moving a plane through it.
+    Points(const PackedScene& scene, uint index)
+    {
+        const Triangle& tri = scene.triangles[index];
+        const uint corners[3] = {tri.v0, tri.v1, tri.v2};
+        for (int i = 0; i < 3; ++i) {
+            const vec3& p = scene.positions[corners[i]];
+            at[i][0] = p.x, at[i][1] = p.y, at[i][2] = p.z, at[i][3] = 0.0f;
+        }
+    }
+};
+
+// A triangle whose vertices are sorted along an axis, for moving a plane through it. Without branches where they could
+// not be foreseen.
 struct Sweep
 {
-    Vec v[3], along, first, second; // edges 0 to 2, 0 to 1, 1 to 2
-    float x[3];
+    Vec low, middle, high;
+    float x[3], longest, shorter[2]; // places on the axis; reciprocals of the edges' extents
+    Vec edge, parts[2], from[2];     // low to high; low to middle and middle to high, and where these begin
 
-    Sweep(const Vec (&vertices)[3], const vec3 (&points)[3], int axis)
+    Sweep(const Points& points, int axis)
     {
-        int a = 0, b = 1, c = 2;
-        if (points[a][axis] > points[b][axis]) std::swap(a, b);
-        if (points[b][axis] > points[c][axis]) std::swap(b, c);
-        if (points[a][axis] > points[b][axis]) std::swap(a, b);
-        v[0] = vertices[a], v[1] = vertices[b], v[2] = vertices[c];
-        x[0] = points[a][axis], x[1] = points[b][axis], x[2] = points[c][axis];
-        along = hn::Sub(v[2], v[0]);
-        first = hn::Sub(v[1], v[0]);
-        second = hn::Sub(v[2], v[1]);
+        const float y[3] = {points.at[0][axis], points.at[1][axis], points.at[2][axis]};
+        int a = y[1] < y[0] ? 1 : 0, c = 1 - a;
+        a = y[2] < y[a] ? 2 : a;
+        c = y[2] >= y[c] ? 2 : c;
+        const int b = 3 - a - c;
+        low = hn::Load(Lanes(), points.at[a]);
+        middle = hn::Load(Lanes(), points.at[b]);
+        high = hn::Load(Lanes(), points.at[c]);
+        x[0] = y[a], x[1] = y[b], x[2] = y[c];
+        longest = 1.0f / (x[2] - x[0]);
+        shorter[0] = 1.0f / (x[1] - x[0]);
+        shorter[1] = 1.0f / (x[2] - x[1]);
+        edge = hn::Sub(high, low);
+        parts[0] = hn::Sub(middle, low);
+        parts[1] = hn::Sub(high, middle);
+        from[0] = low, from[1] = middle;
     }
-    static Vec point(Vec from, Vec edge, float distance, float length)
+    // An edge without extent gives its beginning: the NaN that 0 / 0 is does not survive max().
+    static Vec point(Vec begin, Vec along, float t)
     {
-        const float t = length > 0.0f ? std::min(std::max(distance / length, 0.0f), 1.0f) : 0.0f;
-        return hn::MulAdd(edge, hn::Set(Lanes(), t), from);
+        return hn::MulAdd(along, hn::Set(Lanes(), std::min(std::max(0.0f, t), 1.0f)), begin);
     }
     // What lies in the plane.
     WideBox at(float plane) const
     {
-        const Vec p = point(v[0], along, plane - x[0], x[2] - x[0]);
-        const Vec q = plane < x[1] ? point(v[0], first, plane - x[0], x[1] - x[0])
-                                   : point(v[1], second, plane - x[1], x[2] - x[1]);
+        const int part = plane < x[1] ? 0 : 1;
+        const Vec p = point(low, edge, (plane - x[0]) * longest);
+        const Vec q = point(from[part], parts[part], (plane - x[part]) * shorter[part]);
         return {hn::Min(p, q), hn::Max(p, q)};
     }
 };
+
+void chop(SpatialBins& histogram, const Slabs& slabs, const Sweep& sweep, int axis, const PrimitiveRef& ref, uint begin,
+          uint end)
+{
+    auto& row = histogram.axes[static_cast<std::size_t>(axis)];
+    const Vec lo = load3(ref.lower), hi = load3(ref.upper);
+    float plane = ref.lower[axis];
+    WideBox section = {sweep.low, sweep.low};
+    if (plane > sweep.x[0]) section = sweep.at(plane); // was cut before
+    for (uint bin = begin; bin <= end; ++bin) {
+        const float next = bin < end ? slabs.plane(axis, bin + 1) : ref.upper[axis];
+        const WideBox next_section = next < sweep.x[2] ? sweep.at(next) : WideBox{sweep.high, sweep.high};
+        WideBox part = section;
+        part.extend(next_section);
+        if (sweep.x[1] >= plane && sweep.x[1] <= next) part.extend(sweep.middle, sweep.middle);
+        // An earlier cut may have taken all of this slab's part: then lower exceeds upper.
+        part = {hn::Max(part.lower, lo), hn::Min(part.upper, hi)};
+        if (hn::AllTrue(Lanes(), hn::Le(part.lower, part.upper))) row[bin].box.extend(part);
+        section = next_section;
+        plane = next;
+    }
+}
 
 } // namespace
 
@@ -59,9 +99,7 @@ void add_chopped(SpatialBins& histogram, const PackedScene& scene, std::span<con
             slabs.find(hn::Mul(hn::Add(lo, hi), hn::Set(Lanes(), 0.5f)), first);
             std::copy_n(first, 4, last);
         }
-        bool loaded = false;
-        vec3 points[3];
-        Vec vertices[3];
+        std::optional<Points> points;
         for (int axis = 0; axis < 3; ++axis) {
             auto& row = histogram.axes[static_cast<std::size_t>(axis)];
             const auto begin = static_cast<uint>(first[axis]), end = static_cast<uint>(last[axis]);
@@ -69,31 +107,9 @@ void add_chopped(SpatialBins& histogram, const PackedScene& scene, std::span<con
             ++row[end].leaving;
             if (begin == end) {
                 row[begin].box.extend(lo, hi);
-                continue;
-            }
-            if (!loaded) {
-                const Triangle& tri = scene.triangles[ref.index];
-                const uint corners[3] = {tri.v0, tri.v1, tri.v2};
-                for (int i = 0; i < 3; ++i) {
-                    points[i] = scene.positions[corners[i]];
-                    vertices[i] = load_vertex(points[i]);
-                }
-                loaded = true;
-            }
-            const Sweep sweep(vertices, points, axis);
-            float plane = ref.lower[axis];
-            WideBox section = sweep.at(plane);
-            for (uint bin = begin; bin <= end; ++bin) {
-                const float next = bin < end ? slabs.plane(axis, bin + 1) : ref.upper[axis];
-                const WideBox next_section = sweep.at(next);
-                WideBox part = section;
-                part.extend(next_section);
-                if (sweep.x[1] >= plane && sweep.x[1] <= next) part.extend(sweep.v[1], sweep.v[1]);
-                // An earlier cut may have taken all of this slab's part: then lower exceeds upper.
-                part = {hn::Max(part.lower, lo), hn::Min(part.upper, hi)};
-                if (hn::AllTrue(Lanes(), hn::Le(part.lower, part.upper))) row[bin].box.extend(part);
-                section = next_section;
-                plane = next;
+            } else {
+                if (!points) points.emplace(scene, ref.index);
+                chop(histogram, slabs, Sweep(*points, axis), axis, ref, begin, end);
             }
         }
     }

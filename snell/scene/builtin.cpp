@@ -22,6 +22,11 @@ static Scene default_many_lights()
     return make_many_lights(400);
 }
 
+static Scene default_field()
+{
+    return make_field(20'000);
+}
+
 std::span<const BuiltinScene> builtin_scenes()
 {
     static constexpr BuiltinScene all[] = {
@@ -37,6 +42,8 @@ std::span<const BuiltinScene> builtin_scenes()
         {"veach-mis", "four plates of growing roughness and lamps of growing size: what MIS is for", make_veach_mis},
         {"many-lights", "a city of boxes lit by 400 coloured lamps", default_many_lights, make_many_lights, "COUNT", 1,
          many_lights_most},
+        {"field", "boulders on rough ground in a closed hall, 20,000 triangles", default_field, make_field, "TRIANGLES",
+         field_least, field_most},
     };
     return all;
 }

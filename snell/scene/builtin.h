@@ -34,10 +34,12 @@ std::optional<Scene> make_builtin_scene(std::string_view name);
 constexpr int sphereflake_deepest = 9; // 4 * 10^8 spheres in half a million instances
 constexpr int menger_deepest = 6;      // 6.4 * 10^7 cubes in 160,000 instances
 constexpr int many_lights_most = 1'000'000;
+constexpr int field_least = 1000, field_most = 50'000'000;
 
 // The parametric ones; each throws Error if the number is out of range.
 Scene make_sphereflake(int depth); // from 0: 1 + 9 + ... + 9^depth spheres, by instancing beyond depth 3
 Scene make_menger(int depth);      // from 0: 20^depth cubes
 Scene make_many_lights(int count); // from 1: point and area lights over a floor of boxes
+Scene make_field(int count);       // that many triangles, or a little more, of rough ground and boulders
 
 } // namespace snell

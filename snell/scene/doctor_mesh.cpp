@@ -22,17 +22,6 @@ bool is_emissive(const MaterialDesc& material)
     return !is_black(material.emission);
 }
 
-Bounds transformed(const Bounds& bounds, const Transform& m)
-{
-    Bounds result;
-    if (bounds.empty()) return result;
-    for (uint i = 0; i < 8; ++i)
-        result.extend(
-            transform_point(m, vec3(i & 1u ? bounds.upper.x : bounds.lower.x, i & 2u ? bounds.upper.y : bounds.lower.y,
-                                    i & 4u ? bounds.upper.z : bounds.lower.z)));
-    return result;
-}
-
 // ---- edges ----
 
 static std::uint64_t mix_bits(std::uint64_t x)

@@ -1,6 +1,7 @@
 // What the parts of examine() share: one file a theme.
 #pragma once
 
+#include "snell/scene/bounds.h"
 #include "snell/scene/doctor.h"
 #include "snell/scene/packed.h"
 
@@ -81,8 +82,6 @@ bool faces_inwards(const Mesh& mesh, const MeshFacts& facts, const Topology& par
 // Whether light is refracted into what the surface encloses.
 bool is_solid_glass(const MaterialDesc& material);
 bool is_emissive(const MaterialDesc& material);
-// Bounds of a transformed box; a little larger than those of its content.
-Bounds transformed(const Bounds& bounds, const Transform& m);
 
 // ---- the themes ----
 

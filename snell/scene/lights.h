@@ -25,7 +25,8 @@ double light_power(const Light& light, double scene_radius);
 void build_alias_table(std::span<Light> lights, std::span<const double> powers);
 
 // Fills packed.lights with the alias table and numbers the lights in surfaces, spheres and instances. Everything else
-// of `packed` must be finished. Throws Error for an emissive sphere that an instance would make an ellipsoid.
+// of `packed` must be finished; lights that are there already are replaced. Throws Error for an emissive sphere that an
+// instance would make an ellipsoid.
 void pack_lights(const Scene& scene, PackedScene& packed);
 
 } // namespace snell

@@ -119,6 +119,7 @@ static double mean_light_texture(const SceneView& view, const Light& light)
 
 void pack_lights(const Scene& scene, PackedScene& packed)
 {
+    packed.lights.clear();
     for (const LightDesc& desc : scene.lights) packed.lights.push_back(make_light(desc));
     std::size_t count = packed.lights.size();
     count += number_lights(packed, packed.world, count);

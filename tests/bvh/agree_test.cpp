@@ -118,7 +118,7 @@ void expect_agreement(const PackedScene& scene, const std::vector<Ray>& rays, st
     expect_kernels(scene, rays, expected, test);
 
     for (const AccelInfo& info : accels()) {
-        if (info.name == "brute") continue;
+        if (info.name == "brute" || !info.exact) continue;
         SCOPED_TRACE(info.name);
         const auto accel = info.make(scene, options);
         for_each_target([&] {
@@ -193,6 +193,7 @@ TEST(BvhAgrees, EverySurfaceOfAStackComesOnce)
     end_world(scene);
     const std::vector<Ray> rays = {make_ray(vec3(0.1f, 0.1f, 2.0f), vec3(0, 0, -1), infinity())};
     for (const AccelInfo& info : accels()) {
+        if (!info.exact) continue;
         SCOPED_TRACE(info.name);
         const auto accel = info.make(scene, {});
         std::vector<Hit> hits(1), next(1);

@@ -101,6 +101,7 @@ TEST(TwoLevels, EmptyGroups)
     end_world(scene);
     for (int i = 0; i < 10; ++i) add_instance(scene, 0, translation(vec3(static_cast<float>(i))));
     for (const AccelInfo& info : accels()) {
+        if (!info.exact) continue;
         const auto accel = info.make(scene, {});
         const std::vector<Ray> rays(100, make_ray(vec3(0.0f), vec3(1.0f), infinity()));
         std::vector<Hit> hits(rays.size());

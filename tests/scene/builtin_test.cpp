@@ -14,7 +14,7 @@ namespace {
 
 TEST(Builtin, AllAreValidAndComplete)
 {
-    EXPECT_EQ(builtin_scenes().size(), 7u);
+    EXPECT_EQ(builtin_scenes().size(), 8u);
     for (const BuiltinScene& builtin : builtin_scenes()) {
         SCOPED_TRACE(builtin.name);
         EXPECT_FALSE(builtin.summary.empty());
@@ -132,6 +132,26 @@ TEST(Builtin, ManyLightsHasThatMany)
     EXPECT_THROW(make_many_lights(0), Error);
 }
 
+TEST(Builtin, AFieldHasTheTrianglesAskedForAndLooksTheSameTwice)
+{
+    for (const int count : {1000, 20000, 123456}) {
+        Scene scene = make_field(count);
+        validate(scene);
+        std::size_t triangles = 0;
+        for (const Mesh& mesh : scene.meshes) triangles += mesh.triangles.size();
+        EXPECT_GE(triangles, static_cast<std::size_t>(count));
+        EXPECT_LE(triangles, static_cast<std::size_t>(1.3 * count));
+        const Scene again = make_field(count);
+        ASSERT_EQ(again.meshes.size(), scene.meshes.size());
+        for (std::size_t i = 0; i < scene.meshes.size(); ++i) {
+            EXPECT_EQ(again.meshes[i].positions, scene.meshes[i].positions);
+            EXPECT_EQ(again.meshes[i].triangles, scene.meshes[i].triangles);
+        }
+    }
+    EXPECT_THROW(make_field(999), Error);
+    EXPECT_THROW(make_field(-1), Error);
+}
+
 // Each edge of a closed mesh is used once in each direction, by position.
 bool is_closed(const Mesh& mesh)
 {
@@ -162,6 +182,7 @@ TEST(Shapes, AreClosedAndFaceOutwards)
         const vec3 a = torus.positions[t.x], b = torus.positions[t.y], c = torus.positions[t.z];
         EXPECT_GT(dot(cross(b - a, c - a), torus.normals[t.x] + torus.normals[t.y] + torus.normals[t.z]), 0.0f);
     }
+    EXPECT_TRUE(is_closed(make_field(1000).meshes[1])); // the boulders
     EXPECT_TRUE(is_closed(make_menger(1).meshes[0]));
     EXPECT_TRUE(is_closed(make_menger(2).meshes[0]));
 }
