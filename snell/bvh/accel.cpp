@@ -1,8 +1,9 @@
 #include "snell/bvh/accel.h"
 
 #include "snell/bvh/brute.h"
-#include "snell/bvh/bvh8.h"
 #include "snell/bvh/embree.h"
+#include "snell/bvh/node.h"
+#include "snell/bvh/wide_accel.h"
 
 #include <array>
 
@@ -15,8 +16,10 @@ static constexpr std::string_view embree_summary = "Intel's Embree 3: not in thi
 #endif
 
 static constexpr std::array registry = {
-    AccelInfo{"bvh8", "8-wide tree by binned SAH, many rays in flight", make_bvh8},
-    AccelInfo{"bvh8-single", "the same tree, one ray at a time", make_bvh8_single},
+    AccelInfo{"bvh8", "tree of nodes with 8 children", make_wide_accel<Node8>},
+    AccelInfo{"bvh8q", "the same with boxes of 8 bits a plane: half as large", make_wide_accel<QuantisedNode>},
+    AccelInfo{"bvh4", "tree of nodes with 4 children", make_wide_accel<Node4>},
+    AccelInfo{"bvh2", "binary tree", make_wide_accel<Node2>},
     AccelInfo{"brute", "every ray against every primitive; the reference", make_brute},
     AccelInfo{"embree", embree_summary, make_embree, false},
 };

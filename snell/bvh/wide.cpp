@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <array>
+#include <new>
 
 namespace snell {
 namespace {
@@ -65,9 +66,11 @@ class Converter
         }
         wide.leaves += summit.leaves;
         SNELL_CHECK_LT(nodes, std::size_t{child_index_mask});
-        SNELL_CHECK_LT(lines, std::size_t{child_index_mask});
+        SNELL_CHECK_LT(lines, std::size_t{child_index_mask} - 4);
         wide.nodes.resize(nodes);
-        wide.lines.resize(lines + 1);
+        wide.lines.resize(lines + 4);
+        new (&wide.lines[lines]) TriangleBlock{{}, 0, 12, 0, 0, {}};
+        wide.no_child = make_child(uint(RefKind::triangle), lines);
         wide.spheres.resize(spheres);
         // Words of the summit that stand for pieces become those of the pieces' roots.
         for (Node& node : summit.nodes)
@@ -223,9 +226,13 @@ class Converter
         Node* node = wide.nodes.data() + piece.first_node;
         for (Node& from : piece.nodes) {
             *node = from;
-            if (piece.first_node > 0)
-                for (uint i = 0; i < Node::width; ++i)
-                    if (node->child[i] != word_done) node->child[i] = moved(piece, node->child[i]);
+            for (uint i = 0; i < Node::width; ++i) {
+                ChildWord& child = node->child[i];
+                if (child == word_done)
+                    child = wide.no_child;
+                else if (piece.first_node > 0)
+                    child = moved(piece, child);
+            }
             ++node;
         }
         std::copy(piece.lines.begin(), piece.lines.end(), wide.lines.begin() + std::ptrdiff_t(piece.first_line));

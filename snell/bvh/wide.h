@@ -26,6 +26,9 @@ struct WideTree
     std::vector<SphereBlock> spheres;
     Box box;                    // of the root
     ChildWord root = word_done; // word_done: nothing to hit
+    // What nodes have in the place of children that are not there: the block without triangles. Their boxes are empty,
+    // but far from a box of 8 bits a plane rounding may take a ray there.
+    ChildWord no_child = word_done;
     // Entries of the traversal's stack that may be waiting while anything below the root is visited, at most; computed
     // from this very tree.
     uint stack_size = 0;

@@ -36,37 +36,6 @@ void for_each_target(const Body& body)
     hwy::SetSupportedTargetsForTest(0);
 }
 
-// The kernels for batches themselves, whichever the accelerator would choose for this scene and these rays.
-void expect_kernels(const PackedScene& scene, const std::vector<Ray>& rays, const std::vector<Hit>& expected,
-                    TriangleTest test)
-{
-    struct Kernel
-    {
-        const char* name;
-        void (*closest)(const TraceInput&, std::span<const Ray>, std::span<Hit>);
-        void (*any)(const TraceInput&, std::span<const Ray>, std::span<std::uint8_t>);
-    };
-    const WideBvh bvh = build_wide(scene);
-    const TraceInput input = {&bvh, &scene, test, false};
-    for (const Kernel& kernel :
-         {Kernel{"stream", trace_stream, trace_stream_any}, Kernel{"packets", trace_packets, trace_packets_any}}) {
-        SCOPED_TRACE(kernel.name);
-        for_each_target([&] {
-            std::vector<Hit> hits(rays.size());
-            std::vector<std::uint8_t> blocked(rays.size(), 77);
-            kernel.closest(input, rays, hits);
-            kernel.any(input, rays, blocked);
-            int wrong = 0;
-            for (std::size_t i = 0; i < rays.size() && wrong < 3; ++i) {
-                if (same(hits[i], expected[i]) && blocked[i] == (is_hit(expected[i]) ? 1 : 0)) continue;
-                ++wrong;
-                ADD_FAILURE() << "expected " << describe(rays[i], expected[i]) << "\n     got "
-                              << describe(rays[i], hits[i]) << "\n blocked " << int(blocked[i]);
-            }
-        });
-    }
-}
-
 // From hit to hit, all of them behind each other.
 void expect_same_chains(const Accel& accel, const Accel& brute, std::vector<Ray> rays, std::vector<Hit> hits)
 {
@@ -115,30 +84,33 @@ void expect_agreement(const PackedScene& scene, const std::vector<Ray>& rays, st
         ASSERT_EQ(expected_blocked[i], is_hit(expected[i]) ? 1 : 0);
     }
     EXPECT_GE(hits_found, least_hits) << "the test looks past the scene";
-    expect_kernels(scene, rays, expected, test);
 
     for (const AccelInfo& info : accels()) {
         if (info.name == "brute" || !info.exact) continue;
-        SCOPED_TRACE(info.name);
-        const auto accel = info.make(scene, options);
-        for_each_target([&] {
-            std::vector<Hit> hits(rays.size()), counted(rays.size());
-            std::vector<std::uint8_t> blocked(rays.size(), 77);
-            std::vector<uint> steps(rays.size());
-            accel->intersect(rays, hits);
-            accel->occluded(rays, blocked);
-            accel->intersect_counted(rays, counted, steps);
-            expect_same_chains(*accel, *brute, rays, expected);
-            int wrong = 0;
-            for (std::size_t i = 0; i < rays.size() && wrong < 3; ++i) {
-                if (same(hits[i], expected[i]) && same(counted[i], expected[i]) && blocked[i] == expected_blocked[i])
-                    continue;
-                ++wrong;
-                ADD_FAILURE() << "expected " << describe(rays[i], expected[i]) << "\n     got "
-                              << describe(rays[i], hits[i]) << "\n counted " << describe(rays[i], counted[i])
-                              << "\n blocked " << int(blocked[i]);
-            }
-        });
+        for (const Traversal traversal : {Traversal::single, Traversal::packets, Traversal::stream}) {
+            SCOPED_TRACE(fmt::format("{}, traversal {}", info.name, int(traversal)));
+            options.traversal = traversal;
+            const auto accel = info.make(scene, options);
+            for_each_target([&] {
+                std::vector<Hit> hits(rays.size()), counted(rays.size());
+                std::vector<std::uint8_t> blocked(rays.size(), 77);
+                std::vector<uint> steps(rays.size());
+                accel->intersect(rays, hits);
+                accel->occluded(rays, blocked);
+                accel->intersect_counted(rays, counted, steps);
+                if (traversal == Traversal::single) expect_same_chains(*accel, *brute, rays, expected);
+                int wrong = 0;
+                for (std::size_t i = 0; i < rays.size() && wrong < 3; ++i) {
+                    if (same(hits[i], expected[i]) && same(counted[i], expected[i]) &&
+                        blocked[i] == expected_blocked[i])
+                        continue;
+                    ++wrong;
+                    ADD_FAILURE() << "expected " << describe(rays[i], expected[i]) << "\n     got "
+                                  << describe(rays[i], hits[i]) << "\n counted " << describe(rays[i], counted[i])
+                                  << "\n blocked " << int(blocked[i]);
+                }
+            });
+        }
     }
 }
 
@@ -152,6 +124,23 @@ void expect_agreement(const PackedScene& scene, std::size_t least_hits, uint see
     expect_agreement(scene, rays, least_hits);
     SCOPED_TRACE("Moeller-Trumbore");
     expect_agreement(scene, rays, least_hits, TriangleTest::moller_trumbore);
+    // Every builder, with every layout.
+    for (const BuilderInfo& builder : builders()) {
+        SCOPED_TRACE(builder.name);
+        AccelOptions options;
+        options.build.builder = builder.name;
+        options.build.reinsertion = 1;
+        std::vector<Hit> expected(rays.size()), hits(rays.size());
+        find_accel("brute")->make(scene, options)->intersect(rays, expected);
+        for (const AccelInfo& info : accels()) {
+            if (info.name == "brute" || !info.exact) continue;
+            SCOPED_TRACE(info.name);
+            info.make(scene, options)->intersect(rays, hits);
+            for (std::size_t i = 0; i < rays.size(); ++i)
+                ASSERT_TRUE(same(hits[i], expected[i]))
+                    << "expected " << describe(rays[i], expected[i]) << "\n     got " << describe(rays[i], hits[i]);
+        }
+    }
 }
 
 TEST(BvhAgrees, TriangleSoups)

@@ -33,21 +33,34 @@ bool same_bytes(const Vector& a, const Vector& b)
     return a.size() == b.size() && std::memcmp(a.data(), b.data(), a.size() * sizeof(a[0])) == 0;
 }
 
-TEST(BvhBuild, IsTheSameForAnyNumberOfThreads)
+template <class Node>
+bool same_tree(const WideTree<Node>& a, const WideTree<Node>& b)
+{
+    return same_bytes(a.nodes, b.nodes) && same_bytes(a.lines, b.lines) && same_bytes(a.spheres, b.spheres) &&
+           a.root == b.root && a.stack_size == b.stack_size && a.sah_cost == b.sah_cost && a.leaves == b.leaves;
+}
+
+template <class Node>
+void expect_same_for_threads()
 {
     const PackedScene scene = big_scene();
     set_thread_count(1);
-    const WideBvh one = build_wide(scene);
+    const WideBvh<Node> one = make_wide<Node>(scene);
     for (const int threads : {2, 5, 16}) {
         set_thread_count(threads);
-        const WideBvh many = build_wide(scene);
-        EXPECT_TRUE(same_bytes(one.nodes, many.nodes)) << threads;
-        EXPECT_TRUE(same_bytes(one.triangles, many.triangles)) << threads;
-        EXPECT_TRUE(same_bytes(one.spheres, many.spheres)) << threads;
-        EXPECT_EQ(one.stack_size, many.stack_size);
-        EXPECT_EQ(one.sah_cost, many.sah_cost);
+        const WideBvh<Node> many = make_wide<Node>(scene);
+        EXPECT_TRUE(same_tree(one.world, many.world)) << threads;
+        EXPECT_TRUE(same_tree(one.top, many.top)) << threads;
+        EXPECT_TRUE(same_tree(one.groups[0], many.groups[0])) << threads;
     }
     set_thread_count(0);
+}
+
+TEST(BvhBuild, IsTheSameForAnyNumberOfThreads)
+{
+    expect_same_for_threads<Node2>();
+    expect_same_for_threads<Node8>();
+    expect_same_for_threads<QuantisedNode>();
 }
 
 int depth_of(const BinaryTree& tree, uint node)
@@ -56,7 +69,7 @@ int depth_of(const BinaryTree& tree, uint node)
     return n.count > 0 ? 1 : 1 + std::max(depth_of(tree, node + 1), depth_of(tree, n.link));
 }
 
-// Every reference in one leaf, leaves of one kind and at most four, boxes around what is below.
+// Every reference in one leaf, leaves of one kind and at most max_leaf_size, boxes around what is below.
 void expect_sound(const std::vector<PrimitiveRef>& refs, const BinaryTree& tree)
 {
     ASSERT_EQ(tree.order.size(), refs.size());
@@ -143,12 +156,12 @@ TEST(BvhBuild, Statistics)
     const PackedScene scene = big_scene();
     const auto accel = accels().front().make(scene, {});
     EXPECT_GT(accel->stats.build_seconds, 0.0);
-    EXPECT_GT(accel->stats.nodes, 5000u);
+    EXPECT_GT(accel->stats.nodes, 4000u);
     EXPECT_GT(accel->stats.leaves, accel->stats.nodes);
     EXPECT_GT(accel->stats.sah_cost, 1.0);
     const double bytes = static_cast<double>(accel->stats.bytes) / static_cast<double>(scene.triangles.size());
-    EXPECT_LT(bytes, 100.0);
-    EXPECT_GT(bytes, 40.0);
+    EXPECT_LT(bytes, 120.0); // a soup shares no vertices
+    EXPECT_GT(bytes, 30.0);
 
     PackedScene empty;
     const auto nothing = accels().front().make(empty, {});

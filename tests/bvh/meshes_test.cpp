@@ -38,7 +38,7 @@ TEST(BvhAgrees, RealMeshes)
             std::vector<Hit> expected(batch.size()), hits(batch.size());
             find_accel("brute")->make(packed, {})->intersect(batch, expected);
             std::size_t found = 0;
-            for (const char* accel : {"bvh8", "bvh8-single"}) {
+            for (const char* accel : {"bvh8", "bvh8q"}) {
                 find_accel(accel)->make(packed, {})->intersect(batch, hits);
                 for (std::size_t i = 0; i < batch.size(); ++i) {
                     found += is_hit(expected[i]);

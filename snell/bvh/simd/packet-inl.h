@@ -359,7 +359,7 @@ class PacketTracer
                                          float best, std::size_t size)
     {
         const Packet::Tag d;
-        const uint order = node.order[p.octant];
+        const uint order = node.order(p.octant);
         for (uint rest = children_in_bounds(node, order, bounds, best); rest != 0; rest &= rest - 1) {
             const auto at = static_cast<uint>(hwy::Num0BitsBelowLS1Bit_Nonzero32(rest));
             const uint child = order >> (Node::order_bits * at) & (Node::width - 1);
