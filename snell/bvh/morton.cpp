@@ -4,6 +4,7 @@
 #include "snell/core/parallel.h"
 #include "snell/kernel/lang.h"
 
+#include <hwy/cache_control.h>
 #include <hwy/highway.h>
 
 #include <algorithm>
@@ -19,6 +20,7 @@ using Lanes = hn::FixedTag<float, 4>;
 using Vec = hn::Vec<Lanes>;
 
 constexpr std::size_t grain = 1 << 14;
+constexpr std::size_t ahead = 32;           // references to ask for in advance: the hardware stops at every page
 constexpr std::size_t sort_chunk = 1 << 16; // keys that are counted together
 constexpr int digit_bits = 11;              // 2048 places to write to at once: about what the TLB and L1 bear
 constexpr std::size_t digits = std::size_t{1} << digit_bits;
@@ -97,6 +99,7 @@ Survey survey(std::span<const PrimitiveRef> refs)
         Vec lower = hn::Set(Lanes(), infinity()), upper = hn::Neg(lower);
         uint kinds = 0;
         for (std::size_t i = part * grain; i < std::min(refs.size(), (part + 1) * grain); ++i) {
+            hwy::Prefetch(&refs[std::min(i + ahead, refs.size() - 1)]);
             const Vec c = load_quarter(refs[i]);
             lower = hn::Min(lower, c);
             upper = hn::Max(upper, c);
@@ -120,7 +123,10 @@ Scratch<Key> make_keys(std::span<const PrimitiveRef> refs, const MakeKey& make_k
 {
     Scratch<Key> keys(refs.size());
     parallel_ranges(refs.size(), grain, [&](std::size_t begin, std::size_t end) {
-        for (std::size_t i = begin; i < end; ++i) keys[i] = make_key(i);
+        for (std::size_t i = begin; i < end; ++i) {
+            hwy::Prefetch(&refs[std::min(i + ahead, refs.size() - 1)]);
+            keys[i] = make_key(i);
+        }
     });
     return keys;
 }

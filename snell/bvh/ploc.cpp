@@ -5,6 +5,8 @@
 #include "snell/core/error.h"
 #include "snell/core/parallel.h"
 
+#include <hwy/cache_control.h>
+
 #include <algorithm>
 #include <array>
 #include <bit>
@@ -17,6 +19,7 @@ constexpr std::size_t chunk_size = 4096; // of parallel passes
 // Rounds over more clusters than that must merge a sixteenth of them, so that the time stays in proportion. What costs
 // less than a millisecond may take its time.
 constexpr std::size_t few = 1024;
+constexpr std::size_t ahead = 24; // references that are on their way from memory
 constexpr std::uint32_t nothing = ~0u;
 
 // Subtrees that wait to be joined, in the order of the curve.
@@ -117,29 +120,28 @@ class Builder
     };
 
     std::span<const PrimitiveRef> refs_;
-    bool one_kind_ = false;            // and not instances
-    Scratch<LinkedNode> nodes_;        // of what has its final children
-    Scratch<BinaryTree::Entry> order_; // of leaves among them
-    Scratch<std::uint32_t> sorted_;    // references along the curve
-    Scratch<std::uint32_t> after_;     // the next one in the same leaf, both by place on the curve
+    bool one_kind_ = false;             // and not instances
+    Scratch<LinkedNode> nodes_;         // of what has its final children
+    Scratch<BinaryTree::Entry> order_;  // of leaves among them
+    Scratch<BinaryTree::Entry> sorted_; // along the curve
+    Scratch<std::uint32_t> after_;      // the next one in the same leaf, both by place on the curve
     Clusters now_, next_;
     Scratch<std::uint32_t> wanted_;
     std::vector<Place> places_;
     Place used_;
-
-    const PrimitiveRef& ref_at(std::uint32_t place) const { return refs_[sorted_[place]]; }
 
     void make_leaves()
     {
         const MortonOrder curve = sort_by_morton(refs_);
         one_kind_ = std::has_single_bit(curve.kinds) && curve.kinds != 1u << static_cast<uint>(RefKind::instance);
         order_ = Scratch<BinaryTree::Entry>(one_kind_ ? refs_.size() : max_leaf_size * refs_.size());
-        sorted_ = Scratch<std::uint32_t>(refs_.size());
+        sorted_ = Scratch<BinaryTree::Entry>(refs_.size());
         for_chunks(refs_.size(), [&](std::size_t, std::size_t begin, std::size_t end) {
             for (std::size_t i = begin; i < end; ++i) {
-                sorted_[i] = static_cast<std::uint32_t>(curve.index(i));
+                hwy::Prefetch(&refs_[curve.index(std::min(i + ahead, refs_.size() - 1))]);
+                const PrimitiveRef& ref = refs_[curve.index(i)];
+                sorted_[i] = {ref.index, ref.kind};
                 after_[i] = nothing;
-                const PrimitiveRef& ref = refs_[sorted_[i]];
                 const float size = ref.kind == RefKind::instance ? float{max_leaf_size} : 1.0f;
                 now_.set(i, {ref.lower, ref.upper}, size, static_cast<std::uint32_t>(i));
             }
@@ -167,7 +169,7 @@ class Builder
     {
         static_assert(cost_of_block <= cost_of_node);
         if (now_.size(a) + now_.size(b) > float{max_leaf_size}) return false;
-        return one_kind_ || ref_at(now_.node[a]).kind == ref_at(now_.node[b]).kind;
+        return one_kind_ || sorted_[now_.node[a]].kind == sorted_[now_.node[b]].kind;
     }
 
     // Fills places_ and returns what there will be after the merge.
@@ -235,7 +237,7 @@ class Builder
         place.entries += static_cast<std::size_t>(clusters.size(i));
         uint count = 0;
         for (std::uint32_t at = clusters.node[i]; at != nothing; at = after_[at], ++count)
-            order_[first + count] = {ref_at(at).index, ref_at(at).kind};
+            order_[first + count] = sorted_[at];
         nodes_[place.nodes] = {clusters.box(i), static_cast<uint>(first), 0, count};
         return static_cast<std::uint32_t>(place.nodes++);
     }
