@@ -265,7 +265,7 @@ TEST(Sbvh, SmallSets)
 // More than two chunks of references that are cut, so that the passes of several threads are used.
 TEST(Sbvh, IsTheSameForAnyNumberOfThreads)
 {
-    const PackedScene scene = needles(80'000);
+    const PackedScene scene = needles(70'000);
     const std::vector<PrimitiveRef> refs = collect_primitives(scene, scene.world);
     set_thread_count(1);
     const BinaryTree one = build_sbvh(scene, refs, with_budget(0.3));
