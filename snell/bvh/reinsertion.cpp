@@ -1,3 +1,4 @@
+#include "snell/bvh/big_pages.h"
 #include "snell/bvh/build.h"
 #include "snell/bvh/linked_tree.h"
 #include "snell/core/error.h"
@@ -22,7 +23,7 @@ using Vec = hn::Vec<Lanes>;
 // gain is near the root.
 constexpr std::size_t candidate_share = 50;
 constexpr std::size_t least_candidates = 4000;
-constexpr int max_visits = 4096;       // of one search; boxes that all overlap would make it visit everything
+constexpr int max_visits = 1024;       // of one search; boxes that all overlap would make it visit everything
 constexpr int max_target_depth = 80;   // room for the moved subtree, so that max_tree_depth is seldom exceeded
 constexpr double least_gain = 1e-7;    // as a part of the root's surface; more than rounding can feign
 constexpr std::size_t chunk_size = 64; // candidates that one thread takes at a time
@@ -110,7 +111,7 @@ class Optimiser
 
     BinaryTree result(const BinaryTree& original) const
     {
-        std::vector<LinkedNode> linked(nodes.size());
+        BigVector<LinkedNode> linked(nodes.size());
         parallel_ranges(nodes.size(), 8192, [&](std::size_t begin, std::size_t end) {
             for (std::size_t i = begin; i < end; ++i) {
                 const Node& node = nodes[i];
@@ -134,9 +135,9 @@ class Optimiser
         int visits = 0;
     };
 
-    std::vector<Node> nodes;
-    std::vector<uint> parents; // none: the root's
-    std::vector<uint> marks;   // the last move that a node was an ancestor in
+    BigVector<Node> nodes;
+    BigVector<uint> parents; // none: the root's
+    BigVector<uint> marks;   // the last move that a node was an ancestor in
     uint mark = 0;
     uint root = 0;
     float scale = 1.0f;
@@ -182,7 +183,7 @@ class Optimiser
     // The nodes with the largest surface, in ascending order.
     std::vector<uint> choose() const
     {
-        std::vector<std::uint64_t> keys(nodes.size());
+        BigVector<std::uint64_t> keys(nodes.size());
         parallel_ranges(nodes.size(), 8192, [&](std::size_t begin, std::size_t end) {
             for (std::size_t i = begin; i < end; ++i) {
                 const std::uint64_t rank = std::bit_cast<uint>(area(WideBox(nodes[i]))); // in order, for areas are >= 0

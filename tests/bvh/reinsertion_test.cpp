@@ -174,29 +174,36 @@ TEST(Reinsertion, BringsNeighboursTogether)
     EXPECT_DOUBLE_EQ(sah(tree), (611 + 11 + 7 + 7 + 5 * 3) / 611.0);
 }
 
-// A large box deep among small ones belongs beside all of them: a target above the node, here the root.
+// A large box deep among small ones belongs beside all of them, which is one move: beside the root.
 TEST(Reinsertion, PullsLargeOnesUp)
 {
+    constexpr uint count = 256;
     std::vector<LinkedNode> nodes;
     std::vector<Entry> order;
-    for (uint i = 0; i < 8; ++i) {
+    std::vector<uint> level;
+    for (uint i = 0; i < count; ++i) {
         nodes.push_back({cube(vec3(2.0f * static_cast<float>(i), 0, 0), 0.5f), i, 0, 1});
         order.push_back({i, RefKind::instance});
+        level.push_back(i);
     }
-    nodes[5].box = cube(vec3(7.0f, 0, 0), 50.0f);
-    const auto join = [&](uint a, uint b) {
-        Box box = nodes[a].box;
-        box.extend(nodes[b].box);
-        nodes.push_back({box, a, b, 0});
-        return static_cast<uint>(nodes.size()) - 1;
-    };
-    const uint left = join(join(0, 1), join(2, 3)), right = join(join(4, 5), join(6, 7));
-    const uint root = join(left, right);
-    BinaryTree tree = make_depth_first(nodes, root, order);
+    nodes[100].box = cube(vec3(static_cast<float>(count), 0, 0), 2.0f * static_cast<float>(count));
+    while (level.size() > 1) {
+        std::vector<uint> next;
+        for (std::size_t i = 0; i + 1 < level.size(); i += 2) {
+            Box box = nodes[level[i]].box;
+            box.extend(nodes[level[i + 1]].box);
+            nodes.push_back({box, level[i], level[i + 1], 0});
+            next.push_back(static_cast<uint>(nodes.size()) - 1);
+        }
+        level = next;
+    }
+    BinaryTree tree = make_depth_first(nodes, level.front(), order);
+    const double before = sah(tree);
     optimise_by_reinsertion(tree, 1);
     expect_well_formed(tree);
     const BinaryNode &a = tree.nodes[1], &b = tree.nodes[tree.nodes[0].link];
-    EXPECT_TRUE((a.count > 0 && tree.order[a.link].index == 5) || (b.count > 0 && tree.order[b.link].index == 5));
+    EXPECT_TRUE((a.count > 0 && tree.order[a.link].index == 100) || (b.count > 0 && tree.order[b.link].index == 100));
+    EXPECT_LT(sah(tree), before - 6.9); // seven of the eight ancestors are rid of it
 }
 
 // The inner surface that taking n out and putting it beside the target would save, from the definition.
