@@ -1,5 +1,6 @@
 // snell bench: samples a second of the whole renderer, beside a plain path tracer over Embree in the same run.
 #include "bench_accel.h"
+#include "bench_path.h"
 #include "camera_choice.h"
 #include "commands.h"
 #include "console.h"
@@ -9,23 +10,14 @@
 
 #include "snell/core/error.h"
 #include "snell/core/parallel.h"
-#include "snell/core/timer.h"
+#include "snell/lab/accel_figures.h"
 #include "snell/lab/metrics.h"
-#include "snell/render/params.h"
 #include "snell/render/render.h"
-
-#ifdef SNELL_HAS_EMBREE
-#include "bench/embree_path.h"
-#endif
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include <sys/resource.h>
-
-#include <algorithm>
 #include <fstream>
-#include <functional>
 
 namespace snell::app {
 
@@ -39,69 +31,7 @@ struct BenchJob
     SceneChoice choice; // for each scene
     int runs = 5;
 };
-
-// One renderer in the comparison.
-struct Contender
-{
-    std::string name;
-    double build_seconds = 0;
-    std::function<std::uint64_t(Film&)> render; // returns the number of rays
-    std::vector<double> rates;                  // samples a second of CPU time, one a run
-    std::vector<double> wall_rates;
-    std::uint64_t rays = 0;
-    Picture picture;
-};
 } // namespace
-
-// CPU time of the process, all threads.
-static double cpu_seconds()
-{
-    rusage usage{};
-    getrusage(RUSAGE_SELF, &usage);
-    const auto seconds = [](const timeval& t) {
-        return static_cast<double>(t.tv_sec) + 1e-6 * static_cast<double>(t.tv_usec);
-    };
-    return seconds(usage.ru_utime) + seconds(usage.ru_stime);
-}
-
-static double median(std::vector<double> values)
-{
-    std::sort(values.begin(), values.end());
-    return values[values.size() / 2];
-}
-
-static std::vector<Contender> contenders(const Prepared& prepared, const RenderSettings& settings,
-                                         const RenderParams& params)
-{
-    std::vector<Contender> list;
-    list.push_back({fmt::format("snell ({})", settings.accel.empty() ? accels().front().name : settings.accel),
-                    prepared.build_seconds,
-                    [&](Film& film) {
-                        RenderResult result = render(prepared, settings);
-                        film = std::move(result.film);
-                        return result.stats.rays();
-                    },
-                    {},
-                    {},
-                    0,
-                    {}});
-#ifdef SNELL_HAS_EMBREE
-    for (const auto& [name, quality] : {std::pair{"Embree, default", bench::EmbreeQuality::standard},
-                                        std::pair{"Embree, HIGH", bench::EmbreeQuality::high}}) {
-        auto tracer = std::make_shared<bench::EmbreePathTracer>(prepared.packed, quality);
-        list.push_back({name,
-                        tracer->build_seconds(),
-                        [tracer, &params, spp = settings.spp](Film& film) { return tracer->render(params, spp, film); },
-                        {},
-                        {},
-                        0,
-                        {}});
-    }
-#else
-    (void)params;
-#endif
-    return list;
-}
 
 static nlohmann::json bench_scene(const std::string& name, const BenchJob& job)
 {
@@ -111,53 +41,33 @@ static nlohmann::json bench_scene(const std::string& name, const BenchJob& job)
     choose_camera(scene, job.camera, 1.0f);
     hide_environment(scene, choice);
     const std::unique_ptr<Prepared> prepared = prepare(scene, job.settings);
-    const RenderParams params =
-        make_render_params(job.settings, *find_integrator("path"), prepared->camera, prepared->packed.radius);
-    std::vector<Contender> list = contenders(*prepared, job.settings, params);
-
-    const double samples = static_cast<double>(job.settings.width) * job.settings.height * job.settings.spp;
-    for (int run = -1; run < job.runs; ++run) { // the first one warms up
-        for (Contender& one : list) {
-            Film film(job.settings.width, job.settings.height, false);
-            const Timer timer;
-            const double cpu = cpu_seconds();
-            one.rays = one.render(film);
-            if (run < 0) {
-                one.picture = film.picture();
-                continue;
-            }
-            one.rates.push_back(samples / (cpu_seconds() - cpu));
-            one.wall_rates.push_back(samples / timer.seconds());
-        }
-    }
+    const PathFigures figures = measure_paths(*prepared, job.settings, job.runs);
+    const double samples = figures.samples;
 
     fmt::print("{}: {} triangles, {}x{}, {} spp, path, max_depth {}, {} threads, median of {} interleaved runs\n", name,
                prepared->packed.triangles.size(), job.settings.width, job.settings.height, job.settings.spp,
-               params.max_depth, thread_count(), job.runs);
+               figures.max_depth, thread_count(), job.runs);
     fmt::print("  {:18} {:>14} {:>15} {:>14} {:>9} {:>9}  {}\n", "", "Msamples/s", "per core-second", "(spread)",
                "Mrays/s", "build ms", "picture against the first (relMSE)");
     nlohmann::json rows = nlohmann::json::array();
-    double best_embree = 0;
-    for (const Contender& one : list) {
-        const double rate = median(one.rates), wall = median(one.wall_rates);
-        const auto [low, high] = std::minmax_element(one.rates.begin(), one.rates.end());
-        const double difference = compare_pictures(one.picture, list[0].picture).relmse;
-        fmt::print("  {:18} {:14.3f} {:15.3f} {:>14} {:9.2f} {:9.1f}  {:.2g}\n", one.name, wall * 1e-6, rate * 1e-6,
-                   fmt::format("{:.2f}-{:.2f}", *low * 1e-6, *high * 1e-6),
+    for (const PathContender& one : figures.contenders) {
+        const Spread rate = spread_of(one.rates);
+        const double wall = spread_of(one.wall_rates).median;
+        const double difference = compare_pictures(one.picture, figures.contenders[0].picture).relmse;
+        fmt::print("  {:18} {:14.3f} {:15.3f} {:>14} {:9.2f} {:9.1f}  {:.2g}\n", one.name, wall * 1e-6,
+                   rate.median * 1e-6, fmt::format("{:.2f}-{:.2f}", rate.low * 1e-6, rate.high * 1e-6),
                    wall * static_cast<double>(one.rays) / samples * 1e-6, one.build_seconds * 1e3, difference);
         rows.push_back({{"name", one.name},
                         {"samples_per_second", wall},
-                        {"samples_per_core_second", rate},
+                        {"samples_per_core_second", rate.median},
                         {"rays_per_second", wall * static_cast<double>(one.rays) / samples},
                         {"build_seconds", one.build_seconds},
                         {"relmse_to_first", difference}});
-        if (&one != &list[0]) best_embree = std::max(best_embree, rate);
     }
     nlohmann::json result = {{"scene", name}, {"rows", rows}};
-    if (best_embree > 0) {
-        const double ratio = median(list[0].rates) / best_embree;
-        fmt::print("  ratio to the better Embree: {:.2f}\n", ratio);
-        result["ratio"] = ratio;
+    if (figures.ratio) {
+        fmt::print("  ratio to the better Embree: {:.2f}\n", *figures.ratio);
+        result["ratio"] = *figures.ratio;
     } else {
         fmt::print("  (built without Embree: nothing to compare with; install libembree-dev and build again)\n");
     }

@@ -1,6 +1,9 @@
 // snell bench accel: the same rays through every acceleration structure and Embree.
 #include "bench_accel.h"
 
+#include "bench_path.h"
+#include "bench_refit.h"
+#include "bench_results.h"
 #include "bench_scene.h"
 #include "bench_trace.h"
 #include "camera_choice.h"
@@ -16,10 +19,9 @@
 #include "snell/core/timer.h"
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
-#include <nlohmann/json.hpp>
 
 #include <algorithm>
+#include <filesystem>
 #include <fstream>
 
 namespace snell::app {
@@ -31,7 +33,7 @@ struct AccelBench
     std::vector<std::string> scenes;
     SceneChoice choice;
     CameraChoice camera;
-    bool room = false;
+    bool room = false, growth = false, refit = true, path = true;
     std::vector<std::string> accels, builders, traversals; // as asked for; none: the usual selection
     std::map<std::string, std::string> parameters;         // -D
     TraceJob trace;
@@ -89,146 +91,18 @@ static std::vector<StructureChoice> structures_of(const AccelBench& bench)
     return list;
 }
 
-// ---- the table ----
-
-static std::string number(double value)
-{
-    return value <= 0 ? "-" : value < 9.995 ? fmt::format("{:.2f}", value) : fmt::format("{:.1f}", value);
-}
-
-// How far the runs lie apart, in percent of their median.
-static double spread_percent(const Spread& spread)
-{
-    return spread.median > 0 ? 50.0 * (spread.high - spread.low) / spread.median : 0.0;
-}
-
-static void print_rows(const AccelScene& scene, const TraceJob& job)
-{
-    fmt::print("{}: {} triangles", scene.name, scene.triangles);
-    if (scene.spheres > 0) fmt::print(", {} spheres", scene.spheres);
-    if (scene.instances > 0) fmt::print(", {} instances", scene.instances);
-    if (job.trace)
-        fmt::print("; Mrays per second of CPU time: one thread (+-% between {} runs), all {} threads", job.runs,
-                   thread_count());
-    fmt::print("\n{:28} {:>9} {:>6}", "", "build ms", "B/tri");
-    for (const auto& [set, rays] : scene.sets) fmt::print(" {:>16}", set);
-    fmt::print("\n");
-    for (const AccelRow& row : scene.rows) {
-        const double primitives = static_cast<double>(std::max<std::size_t>(scene.triangles + scene.spheres, 1));
-        fmt::print("{:28} {:9.1f} {:6.1f}", row.name, 1e3 * row.build.median,
-                   static_cast<double>(row.bytes) / primitives);
-        for (const auto& [set, rays] : scene.sets) {
-            const auto found = row.traces.find(set);
-            if (found == row.traces.end()) {
-                fmt::print(" {:>16}", "");
-                continue;
-            }
-            const TraceFigure& figure = found->second;
-            fmt::print(" {:>6} {:>3} {:>5}", number(figure.one.median),
-                       fmt::format("{:.0f}%", spread_percent(figure.one)), number(figure.all.median));
-        }
-        fmt::print("\n");
-    }
-}
-
-static std::string ratio(const std::optional<double>& value)
-{
-    return value ? fmt::format("{:.2f}", *value) : "-";
-}
-
-static void print_ratios(const AccelScene& scene, const AccelRow& row, bool all_threads)
-{
-    const AccelRatios r = ratios_of(scene, row, all_threads);
-    const auto of = [&](const char* set) { return ratio(set_ratio(scene, row, set, all_threads)); };
-    fmt::print("  {} over the better Embree, {}: camera {}, any hit {} (shadow {}, ao {}), incoherent {} ({}, {}, {})",
-               row.name, all_threads ? "all threads" : "one thread", ratio(r.camera), ratio(r.any_hit), of("shadow"),
-               of("ao"), ratio(r.incoherent), of("bounce1"), of("bounce2"), of("bounce3"));
-    if (!all_threads) fmt::print(", build {}, bytes {}", ratio(r.build), ratio(r.bytes));
-    fmt::print("\n");
-}
-
-static void print_scene(const AccelScene& scene, const TraceJob& job)
-{
-    print_rows(scene, job);
-    if (!scene.rows.back().is_ours()) {
-        print_ratios(scene, scene.rows[0], false);
-        if (job.trace && job.all_threads) print_ratios(scene, scene.rows[0], true);
-    }
-    std::fflush(stdout);
-}
-
-// ---- JSON ----
-
-static nlohmann::ordered_json spread_json(const Spread& spread)
-{
-    return {{"median", spread.median}, {"low", spread.low}, {"high", spread.high}};
-}
-
-static nlohmann::ordered_json ratios_json(const AccelRatios& r)
-{
-    const auto value = [](const std::optional<double>& v) -> nlohmann::ordered_json {
-        if (v) return *v;
-        return nullptr;
-    };
-    return {{"incoherent", value(r.incoherent)},
-            {"any_hit", value(r.any_hit)},
-            {"camera", value(r.camera)},
-            {"build", value(r.build)},
-            {"refit", value(r.refit)},
-            {"bytes", value(r.bytes)},
-            {"path", value(r.path)}};
-}
-
-static nlohmann::ordered_json row_json(const AccelScene& scene, const AccelRow& row)
-{
-    static constexpr const char* qualities[] = {"", "low", "medium", "high"};
-    nlohmann::ordered_json json = {{"name", row.name}, {"kind", row.is_ours() ? "snell" : "embree"}};
-    if (row.is_ours()) {
-        json["accel"] = row.accel, json["builder"] = row.builder, json["traversal"] = row.traversal;
-        json["nodes"] = row.nodes, json["sah_cost"] = row.sah_cost;
-    } else {
-        json["quality"] = qualities[static_cast<int>(row.quality)];
-        json["rays_a_call"] = row.packet;
-    }
-    const double primitives = static_cast<double>(std::max<std::size_t>(scene.triangles + scene.spheres, 1));
-    json["build_seconds"] = spread_json(row.build);
-    json["build_cpu_seconds"] = row.build_cpu_seconds;
-    json["bytes"] = row.bytes;
-    json["bytes_per_primitive"] = static_cast<double>(row.bytes) / primitives;
-    auto& traces = json["mrays_per_second"] = nlohmann::ordered_json::object();
-    for (const auto& [set, rays] : scene.sets) {
-        const auto found = row.traces.find(set);
-        if (found == row.traces.end()) continue;
-        traces[set] = {{"one_thread", spread_json(found->second.one)},
-                       {"all_threads", spread_json(found->second.all)},
-                       {"wall", spread_json(found->second.wall)},
-                       {"disagreements", found->second.disagreements}};
-    }
-    return json;
-}
-
-static nlohmann::ordered_json scene_json(const AccelScene& scene)
-{
-    nlohmann::ordered_json json = {{"scene", scene.name},
-                                   {"triangles", scene.triangles},
-                                   {"spheres", scene.spheres},
-                                   {"instances", scene.instances}};
-    auto& sets = json["rays"] = nlohmann::ordered_json::object();
-    for (const auto& [set, rays] : scene.sets) sets[set] = rays;
-    auto& rows = json["rows"] = nlohmann::ordered_json::array();
-    for (const AccelRow& row : scene.rows) rows.push_back(row_json(scene, row));
-    json["ratios"] = ratios_json(ratios_of(scene, scene.rows[0]));
-    json["ratios_all_threads"] = ratios_json(ratios_of(scene, scene.rows[0], true));
-    json["on_front"] = is_on_front(scene, scene.rows[0]);
-    return json;
-}
-
 static void write_text(const std::string& name, const std::string& text, const char* option)
 {
     std::ofstream file(name);
     file << text;
     file.flush();
     if (!file) throw Error({name, 0, 0}, "cannot be written", fmt::format("choose another file for {}", option));
+}
+
+// A file without its folder.
+static std::string short_name(const std::string& scene)
+{
+    return std::filesystem::path(scene).filename().string();
 }
 
 // ---- the command ----
@@ -283,6 +157,11 @@ static std::optional<int> read_options(const Arguments& arguments, AccelBench& b
         if (!is_accel_parameter(key)) throw UsageError(fmt::format("-D {}: structures have no such option", key));
         bench.parameters[key] = value;
     });
+    options.flag("--growth",
+                 "Also fields of 10^4 to 10^7 triangles (quick: 10^6): the cost of a ray against their number",
+                 [&] { bench.growth = true; });
+    options.flag("--no-refit", "Leave out the refitting of a million triangles", [&] { bench.refit = false; });
+    options.flag("--no-path", "Leave out the path tracer", [&] { bench.path = false; });
     options.flag("--no-embree", "Leave Embree out", [&] { bench.trace.embree = false; });
     options.flag("--no-packets", "Leave Embree's packets out", [&] { bench.trace.packets = false; });
     options.flag("--one-thread", "Leave the runs on all threads out", [&] { bench.trace.all_threads = false; });
@@ -290,9 +169,62 @@ static std::optional<int> read_options(const Arguments& arguments, AccelBench& b
     options.group("Results");
     options.value("--json", "FILE", "Write the figures there as well",
                   [&](const std::string& text) { bench.json_file = text; });
+    options.value("--html", "FILE", "Write a report with charts there",
+                  [&](const std::string& text) { bench.html_file = text; });
     add_camera_options(options, bench.camera);
     add_loading_options(options, bench.choice);
     return options.parse(arguments);
+}
+
+// The scene's rays through all structures, and its picture.
+static void measure_scene(const std::string& name, const AccelBench& bench, AccelResults& results)
+{
+    BenchScene scene = open_bench_scene(name, bench.choice, bench.camera, bench.room, bench.trace.rays);
+    const std::string shown = short_name(name);
+    results.scenes.push_back(measure_structures(shown, scene.packed, scene.camera, bench.trace, results.failures));
+    print_scene(results.scenes.back(), bench.trace);
+    if (!bench.path || !bench.trace.embree) return;
+
+    console().info(fmt::format("{}: path tracing", shown));
+    RenderSettings settings;
+    settings.width = settings.height = bench.quick ? 160 : 384;
+    settings.spp = bench.quick ? 4 : 8;
+    settings.parameters["max_depth"] = "8";
+    settings.threads = bench.threads;
+    const StructureChoice& ours = bench.trace.ours[0];
+    settings.accel = ours.info->name;
+    Prepared prepared;
+    prepared.packed = std::move(scene.packed);
+    prepared.camera = scene.camera_desc;
+    const Timer timer;
+    prepared.accel = ours.info->make(prepared.packed, ours.options);
+    prepared.build_seconds = timer.seconds();
+    const PathFigures figures = measure_paths(prepared, settings, bench.trace.runs);
+    PathResult& result = results.paths.emplace_back();
+    result.scene = shown;
+    result.ratio = figures.ratio;
+    for (const PathContender& one : figures.contenders) {
+        Spread rate = spread_of(one.rates);
+        rate.median *= 1e-6, rate.low *= 1e-6, rate.high *= 1e-6;
+        result.rates.emplace_back(one.name, rate);
+    }
+    print_path(result);
+}
+
+// One generated scene with ever more triangles, in our first structure and Embree's default.
+static void measure_growth(const AccelBench& bench, AccelResults& results)
+{
+    TraceJob job = bench.trace;
+    job.ours.resize(1);
+    job.low_quality = job.high_quality = job.packets = job.all_threads = false;
+    job.build_budget = 0;
+    job.rays = std::min(job.rays, std::size_t{1} << 18);
+    for (const char* name : {"field:10000", "field:100000", "field:1000000", "field:10000000"}) {
+        if (bench.quick && std::string_view(name) == "field:10000000") continue;
+        const BenchScene scene = open_bench_scene(name, bench.choice, CameraChoice(), false, job.rays);
+        results.growth.push_back(measure_structures(name, scene.packed, scene.camera, job, results.failures));
+    }
+    print_growth(results.growth);
 }
 
 int run_bench_accel(const Arguments& arguments)
@@ -308,27 +240,24 @@ int run_bench_accel(const Arguments& arguments)
     set_thread_count(bench.threads);
     bench.trace.ours = structures_of(bench);
 
-    std::vector<std::string> failures;
-    std::vector<AccelScene> scenes;
-    std::vector<AccelRatios> ratios, ratios_all;
-    for (const std::string& name : bench.scenes) {
-        const BenchScene scene = open_bench_scene(name, bench.choice, bench.camera, bench.room, bench.trace.rays);
-        scenes.push_back(measure_structures(name, scene.packed, scene.camera, bench.trace, failures));
-        print_scene(scenes.back(), bench.trace);
-        ratios.push_back(ratios_of(scenes.back(), scenes.back().rows[0]));
-        ratios_all.push_back(ratios_of(scenes.back(), scenes.back().rows[0], true));
+    AccelResults results;
+    results.threads = thread_count();
+    results.runs = bench.trace.runs;
+    results.quick = bench.quick;
+    for (const std::string& name : bench.scenes) measure_scene(name, bench, results);
+    if (bench.growth) measure_growth(bench, results);
+    if (bench.refit) {
+        BenchScene scene = open_bench_scene("field:1000000", bench.choice, CameraChoice(), false, bench.trace.rays);
+        const StructureChoice& ours = bench.trace.ours[0];
+        results.refit = measure_refit("field:1000000", scene, *ours.info, ours.options, bench.trace.embree,
+                                      std::max(5, bench.trace.runs), results.failures);
+        print_refit(*results.refit);
     }
-    if (!bench.json_file.empty()) {
-        nlohmann::ordered_json json = {{"threads", thread_count()}, {"runs", bench.trace.runs}};
-        json["scenes"] = nlohmann::ordered_json::array();
-        for (const AccelScene& scene : scenes) json["scenes"].push_back(scene_json(scene));
-        json["summary"] = ratios_json(mean_ratios(ratios));
-        json["summary_all_threads"] = ratios_json(mean_ratios(ratios_all));
-        json["failures"] = failures;
-        write_text(bench.json_file, json.dump(2) + "\n", "--json");
-    }
-    for (const std::string& failure : failures) console().error(failure);
-    return failures.empty() ? 0 : 1;
+    print_summary(results);
+    if (!bench.json_file.empty()) write_text(bench.json_file, results_json(results), "--json");
+    if (!bench.html_file.empty()) write_text(bench.html_file, results_html(results), "--html");
+    for (const std::string& failure : results.failures) console().error(failure);
+    return results.failures.empty() ? 0 : 1;
 }
 
 } // namespace snell::app

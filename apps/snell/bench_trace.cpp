@@ -237,6 +237,7 @@ void Measurement::add_embree()
                              Kind{"Embree HIGH", YardstickQuality::high, EmbreeQuality::high},
                              Kind{"Embree LOW", YardstickQuality::low, EmbreeQuality::low}}) {
         if (kind.quality == YardstickQuality::low && !job.low_quality) continue;
+        if (kind.quality == YardstickQuality::high && !job.high_quality) continue;
         Structure structure;
         structure.name = kind.name;
         for (const unsigned packet : {1u, 8u, 16u}) {

@@ -23,7 +23,8 @@ struct TraceJob
 {
     std::vector<StructureChoice> ours; // the first one is what the ratios are about
     bool embree = true;                // where snell is built with it
-    bool low_quality = true;           // Embree's LOW beside MEDIUM and HIGH
+    bool low_quality = true;           // Embree's LOW beside MEDIUM
+    bool high_quality = true;          // and its HIGH
     bool packets = true;               // Embree's calls for 8 and 16 rays as well
     bool robust = false;               // Embree's watertight mode
     bool trace = true;                 // false: build only

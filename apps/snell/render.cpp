@@ -80,6 +80,7 @@ struct Outcome
 static void say_numbers(const Shot& shot, const RenderReport& report)
 {
     const std::string closing = shot.label + closing_line(report);
+    if (report.result.stats.updated) console().detail(shot.label + update_line(report.result.stats));
     if (shot.job.frame)
         console().detail(closing);
     else
@@ -135,6 +136,7 @@ static Outcome render_shot(const Shot& shot, const InterruptGuard& interrupt)
 
 static void say_preparation(const Prepared& prepared)
 {
+    if (prepared.updated) return;
     console().detail(fmt::format("packed in {}, built the acceleration structure in {}",
                                  short_time(prepared.pack_seconds), short_time(prepared.build_seconds)));
 }
@@ -166,6 +168,7 @@ static int render_sequence(const RenderJob& job, Scene& scene, Index<Animation> 
     const InterruptGuard interrupt;
     const auto start = std::chrono::steady_clock::now();
     uint done = 0;
+    std::unique_ptr<Prepared> prepared; // by the first frame; the others follow what moves
     for (uint frame = frames.first; frame != frames.end && interrupt.exit_code() == 0; ++frame) {
         RenderJob one = job;
         one.frame = frame;
@@ -176,7 +179,10 @@ static int render_sequence(const RenderJob& job, Scene& scene, Index<Animation> 
             if (one.settings.timeout_seconds <= 0) break;
         }
         pose(scene, animation, static_cast<float>(frames.seconds(frame)));
-        const std::unique_ptr<Prepared> prepared = prepare(scene, job.settings);
+        if (prepared == nullptr)
+            prepared = prepare(scene, job.settings);
+        else
+            prepared->update(scene);
         say_preparation(*prepared);
         const std::string label = fmt::format("frame {} of {}: ", frame - frames.first + 1, frames.count());
         const Outcome outcome = render_shot({one, *prepared, scene.cameras[0], label, load_seconds}, interrupt);
@@ -201,6 +207,8 @@ int run_render(const Arguments& arguments)
     const auto start = std::chrono::steady_clock::now();
     Scene scene = open_chosen(job.scene);
     settle_render(job, scene.hints);
+    // A moment by itself is then, to the bit, the picture that it is in a sequence.
+    job.settings.keep_motion = job.frames || job.scene.time;
     Index<Animation> animation;
     if (job.frames) {
         animation = find_animation(scene, job.scene, "--frames");

@@ -38,6 +38,13 @@ std::string closing_line(const RenderReport& report)
         short_bytes(static_cast<double>(peak_memory_bytes())));
 }
 
+std::string update_line(const RenderStats& stats)
+{
+    return fmt::format("followed what moved in {:.1f} ms; {} tree{} refitted and {} rebuilt in {:.1f} ms",
+                       1e3 * stats.pack_seconds, stats.refitted_trees, stats.refitted_trees == 1 ? "" : "s",
+                       stats.rebuilt_trees, 1e3 * stats.build_seconds);
+}
+
 std::vector<std::string> stats_lines(const RenderReport& report)
 {
     const RenderStats& stats = report.result.stats;
@@ -54,6 +61,7 @@ std::vector<std::string> stats_lines(const RenderReport& report)
     lines.push_back(fmt::format("time: load {}, pack {}, build {}, render {}", short_time(stats.load_seconds),
                                 short_time(stats.pack_seconds), short_time(stats.build_seconds),
                                 short_time(stats.render_seconds)));
+    if (stats.updated) lines.push_back("update: " + update_line(stats));
     lines.push_back(fmt::format(
         "memory: scene {}, acceleration structure {}{}", short_bytes(static_cast<double>(stats.scene_bytes)),
         short_bytes(static_cast<double>(stats.accel_bytes)),
@@ -89,6 +97,7 @@ std::string stats_json(const RenderReport& report)
         {"load", stats.load_seconds},     {"pack", stats.pack_seconds},         {"build", stats.build_seconds},
         {"render", stats.render_seconds}, {"generate", stats.generate_seconds}, {"extend", stats.extend_seconds},
         {"shade", stats.shade_seconds},   {"connect", stats.connect_seconds},   {"finalize", stats.finalize_seconds}};
+    if (stats.updated) json["trees"] = {{"refitted", stats.refitted_trees}, {"rebuilt", stats.rebuilt_trees}};
     json["triangles"] = report.triangles;
     json["scene_bytes"] = stats.scene_bytes;
     json["accel_bytes"] = stats.accel_bytes;

@@ -20,6 +20,9 @@ struct RenderReport
 
 std::size_t peak_memory_bytes(); // of this process
 
+// What following the scene into another pose took.
+std::string update_line(const RenderStats& stats);
+
 // The line that closes every render.
 std::string closing_line(const RenderReport& report);
 

@@ -10,10 +10,10 @@ namespace {
 using Ints4 = hn::RebindToSigned<Lanes4>;
 using IntVec4 = hn::Vec<Ints4>;
 
-constexpr std::size_t max_bins = 32;
-// Larger parts choose their split by a sample of so many references. That costs no quality: which of 32 planes is best
-// is as plain from thousands as from millions.
-constexpr std::size_t sample_size = 4096;
+constexpr std::size_t max_bins = 48;
+// Larger parts choose their split by a sample of so many references. That costs no quality: which plane of a few dozen
+// is best is as plain from thousands as from millions.
+constexpr std::size_t sample_size = 8192;
 
 // Maps twice a primitive's centre to a bin on each axis.
 struct Binning
@@ -24,7 +24,7 @@ struct Binning
     Binning(const WideBox& centre, std::size_t count)
     {
         // Few bins for few references: below, looking through bins takes as long as filling them.
-        bins = std::min(max_bins, 4 + count / 8);
+        bins = std::min(max_bins, 8 + count / 8);
         const Lanes4 d;
         const Vec4 width = hn::Sub(centre.upper, centre.lower), zero = hn::Zero(d);
         const Vec4 number = hn::Set(d, static_cast<float>(bins));

@@ -42,7 +42,9 @@ BinaryTree build_tree(const PackedScene& scene, std::vector<PrimitiveRef> refs, 
                     near.empty() ? fmt::format("there are {}", fmt::join(names, ", "))
                                  : fmt::format("did you mean '{}'?", near));
     }
-    return info->build(scene, std::move(refs), options);
+    BinaryTree tree = info->build(scene, std::move(refs), options);
+    optimise_by_reinsertion(tree, options.reinsertion);
+    return tree;
 }
 
 } // namespace snell

@@ -1,27 +1,26 @@
 #include "snell/bvh/build.h"
+#include "snell/bvh/extents.h"
 #include "snell/bvh/morton.h"
 #include "snell/core/error.h"
 #include "snell/core/parallel.h"
 #include "snell/kernel/lang.h"
 
 #include <hwy/cache_control.h>
-#include <hwy/highway.h>
 
 #include <algorithm>
+#include <array>
 #include <bit>
 
 namespace snell {
 namespace {
 
-namespace hn = hwy::HWY_NAMESPACE;
-using Lanes = hn::FixedTag<float, 4>;
-using Vec = hn::Vec<Lanes>;
-
+constexpr std::size_t treelet_size = 16;
 constexpr std::size_t piece_size = 4096; // subtrees up to here are built by one thread
 constexpr std::size_t ahead = 24;        // references that are on their way from memory
 
-// Every level of the tree takes at least one bit of a code or an index.
-static_assert(63 + 30 <= max_tree_depth);
+// Every level of the tree takes at least one bit of a code or an index; a treelet has fewer levels than its keys have
+// bits to differ in.
+static_assert(63 + 30 <= max_tree_depth && treelet_size <= 4 * max_leaf_size);
 // A leaf never costs more than a node over two others, so small subtrees always become one.
 static_assert(cost_of_block <= cost_of_node);
 
@@ -71,18 +70,50 @@ struct WideKeys
     }
 };
 
-struct WideBox
+uint blocks(std::size_t count)
 {
-    Vec lower = hn::Set(Lanes(), infinity()); // the fourth lanes mean nothing
-    Vec upper = hn::Set(Lanes(), -infinity());
+    return static_cast<uint>((count + max_leaf_size - 1) / max_leaf_size);
+}
 
-    void extend(Vec lo, Vec hi) { lower = hn::Min(lower, lo), upper = hn::Max(upper, hi); }
-    Box box() const
+float half_area(const WideBox& box)
+{
+    alignas(16) float e[4];
+    hn::Store(hn::Sub(box.upper, box.lower), Lanes4(), e);
+    return e[0] * e[1] + e[1] * e[2] + e[2] * e[0];
+}
+
+// A few primitives in a row, of one kind. Bits of a code would leave most leaves half empty; here the cuts are those of
+// least surface that fill as few leaves as there can be.
+struct Treelet
+{
+    std::array<Vec4, treelet_size> lower, upper;
+
+    WideBox box(std::size_t begin, std::size_t end) const
     {
-        alignas(16) float lo[4], hi[4];
-        hn::Store(lower, Lanes(), lo);
-        hn::Store(upper, Lanes(), hi);
-        return {vec3(lo[0], lo[1], lo[2]), vec3(hi[0], hi[1], hi[2])};
+        WideBox sum;
+        for (std::size_t i = begin; i < end; ++i) sum.extend(lower[i], upper[i]);
+        return sum;
+    }
+    // Where the right side begins.
+    std::size_t cut(std::size_t begin, std::size_t end) const
+    {
+        const auto fills = [&](std::size_t i) { return blocks(i - begin) + blocks(end - i) == blocks(end - begin); };
+        std::array<float, treelet_size> right_cost;
+        WideBox sum;
+        for (std::size_t i = end - 1; i > begin; --i) {
+            sum.extend(lower[i], upper[i]);
+            if (fills(i)) right_cost[i] = half_area(sum) * static_cast<float>(blocks(end - i));
+        }
+        sum = WideBox();
+        std::size_t best = 0;
+        float best_cost = 0;
+        for (std::size_t i = begin + 1; i < end; ++i) {
+            sum.extend(lower[i - 1], upper[i - 1]);
+            if (!fills(i)) continue;
+            const float cost = half_area(sum) * static_cast<float>(blocks(i - begin)) + right_cost[i];
+            if (best == 0 || cost < best_cost) best = i, best_cost = cost;
+        }
+        return best;
     }
 };
 
@@ -174,22 +205,41 @@ class Builder
         return true;
     }
 
+    bool is_treelet(std::size_t begin, std::size_t end) const { return one_kind && end - begin <= treelet_size; }
+
     uint count_leaves(std::size_t begin, std::size_t end) const
     {
+        if (is_treelet(begin, end)) return blocks(end - begin);
         if (is_leaf(begin, end)) return 1;
         const std::size_t middle = keys.split(begin, end);
         return count_leaves(begin, middle) + count_leaves(middle, end);
     }
 
+    // Enters the reference at place i into the order.
+    const PrimitiveRef& take(std::size_t i)
+    {
+        hwy::Prefetch(&refs[keys.index(std::min(i + ahead, refs.size() - 1))]);
+        const PrimitiveRef& ref = refs[keys.index(i)];
+        tree.order[i] = {ref.index, ref.kind};
+        return ref;
+    }
+
     // Writes the subtree to tree.nodes[at...] and returns what comes behind it.
     uint emit(std::size_t begin, std::size_t end, uint at, WideBox& box)
     {
+        if (is_treelet(begin, end)) {
+            Treelet treelet;
+            for (std::size_t i = begin; i < end; ++i) {
+                const PrimitiveRef& ref = take(i);
+                treelet.lower[i - begin] = hn::Load(Lanes4(), &ref.lower.x);
+                treelet.upper[i - begin] = hn::Load(Lanes4(), &ref.upper.x);
+            }
+            return emit_treelet(treelet, begin, 0, end - begin, at, box);
+        }
         if (is_leaf(begin, end)) {
             for (std::size_t i = begin; i < end; ++i) {
-                const PrimitiveRef& ref = refs[keys.index(i)];
-                hwy::Prefetch(&refs[keys.index(std::min(i + ahead, refs.size() - 1))]);
-                box.extend(hn::Load(Lanes(), &ref.lower.x), hn::Load(Lanes(), &ref.upper.x));
-                tree.order[i] = {ref.index, ref.kind};
+                const PrimitiveRef& ref = take(i);
+                box.extend(hn::Load(Lanes4(), &ref.lower.x), hn::Load(Lanes4(), &ref.upper.x));
             }
             tree.nodes[at] = {box.box(), static_cast<uint>(begin), static_cast<uint>(end - begin)};
             return at + 1;
@@ -198,7 +248,25 @@ class Builder
         WideBox other;
         const uint right = emit(begin, middle, at + 1, box);
         const uint next = emit(middle, end, right, other);
-        box.extend(other.lower, other.upper);
+        box.extend(other);
+        tree.nodes[at] = {box.box(), right, 0};
+        return next;
+    }
+
+    // first: place of the treelet's first primitive; begin, end: within the treelet.
+    uint emit_treelet(const Treelet& treelet, std::size_t first, std::size_t begin, std::size_t end, uint at,
+                      WideBox& box)
+    {
+        if (end - begin <= max_leaf_size) {
+            box = treelet.box(begin, end);
+            tree.nodes[at] = {box.box(), static_cast<uint>(first + begin), static_cast<uint>(end - begin)};
+            return at + 1;
+        }
+        const std::size_t middle = treelet.cut(begin, end);
+        WideBox other;
+        const uint right = emit_treelet(treelet, first, begin, middle, at + 1, box);
+        const uint next = emit_treelet(treelet, first, middle, end, right, other);
+        box.extend(other);
         tree.nodes[at] = {box.box(), right, 0};
         return next;
     }

@@ -1,10 +1,11 @@
 #include "snell/bvh/morton.h"
 
+#include "snell/bvh/extents.h"
 #include "snell/core/error.h"
 #include "snell/core/parallel.h"
 #include "snell/kernel/lang.h"
 
-#include <hwy/highway.h>
+#include <hwy/cache_control.h>
 
 #include <algorithm>
 #include <bit>
@@ -14,27 +15,16 @@
 namespace snell {
 namespace {
 
-namespace hn = hwy::HWY_NAMESPACE;
-using Lanes = hn::FixedTag<float, 4>;
-using Vec = hn::Vec<Lanes>;
-
 constexpr std::size_t grain = 1 << 14;
+constexpr std::size_t ahead = 32;           // references to ask for in advance: the hardware stops at every page
 constexpr std::size_t sort_chunk = 1 << 16; // keys that are counted together
 constexpr int digit_bits = 11;              // 2048 places to write to at once: about what the TLB and L1 bear
 constexpr std::size_t digits = std::size_t{1} << digit_bits;
 constexpr std::size_t tiny = 512; // below, the histograms would cost more than the sorting
 
-// The fourth lane is an integer in disguise and becomes 0: no arithmetic shall meet a denormal or a NaN.
-Vec load3(const vec3& v)
+Vec4 load_quarter(const PrimitiveRef& ref)
 {
-    alignas(16) static constexpr uint mask[4] = {~0u, ~0u, ~0u, 0u};
-    const hn::RebindToUnsigned<Lanes> du;
-    return hn::And(hn::Load(Lanes(), &v.x), hn::BitCast(Lanes(), hn::Load(du, mask)));
-}
-
-Vec load_quarter(const PrimitiveRef& ref)
-{
-    const Vec quarter = hn::Set(Lanes(), 0.25f);
+    const Vec4 quarter = hn::Set(Lanes4(), 0.25f);
     return hn::Add(hn::Mul(load3(ref.lower), quarter), hn::Mul(load3(ref.upper), quarter));
 }
 
@@ -94,17 +84,18 @@ Survey survey(std::span<const PrimitiveRef> refs)
 {
     std::vector<Survey> parts((refs.size() + grain - 1) / grain);
     parallel_for(parts.size(), [&](std::size_t part) {
-        Vec lower = hn::Set(Lanes(), infinity()), upper = hn::Neg(lower);
+        Vec4 lower = hn::Set(Lanes4(), infinity()), upper = hn::Neg(lower);
         uint kinds = 0;
         for (std::size_t i = part * grain; i < std::min(refs.size(), (part + 1) * grain); ++i) {
-            const Vec c = load_quarter(refs[i]);
+            hwy::Prefetch(&refs[std::min(i + ahead, refs.size() - 1)]);
+            const Vec4 c = load_quarter(refs[i]);
             lower = hn::Min(lower, c);
             upper = hn::Max(upper, c);
             kinds |= 1u << static_cast<uint>(refs[i].kind);
         }
         alignas(16) float lo[4], hi[4];
-        hn::Store(lower, Lanes(), lo);
-        hn::Store(upper, Lanes(), hi);
+        hn::Store(lower, Lanes4(), lo);
+        hn::Store(upper, Lanes4(), hi);
         parts[part] = {{vec3(lo[0], lo[1], lo[2]), vec3(hi[0], hi[1], hi[2])}, kinds};
     });
     Survey all;
@@ -120,7 +111,10 @@ Scratch<Key> make_keys(std::span<const PrimitiveRef> refs, const MakeKey& make_k
 {
     Scratch<Key> keys(refs.size());
     parallel_ranges(refs.size(), grain, [&](std::size_t begin, std::size_t end) {
-        for (std::size_t i = begin; i < end; ++i) keys[i] = make_key(i);
+        for (std::size_t i = begin; i < end; ++i) {
+            hwy::Prefetch(&refs[std::min(i + ahead, refs.size() - 1)]);
+            keys[i] = make_key(i);
+        }
     });
     return keys;
 }
@@ -178,10 +172,10 @@ MortonGrid::MortonGrid(const Box& quarters, int bits) : bits_(bits)
 
 std::uint64_t MortonGrid::code(const PrimitiveRef& ref) const
 {
-    const hn::RebindToSigned<Lanes> di;
-    const Vec x = hn::Mul(hn::Sub(load_quarter(ref), hn::Load(Lanes(), origin_)), hn::Load(Lanes(), scale_));
+    const hn::RebindToSigned<Lanes4> di;
+    const Vec4 x = hn::Mul(hn::Sub(load_quarter(ref), hn::Load(Lanes4(), origin_)), hn::Load(Lanes4(), scale_));
     alignas(16) std::int32_t cell[4];
-    hn::Store(hn::ConvertTo(di, hn::Max(hn::Min(x, hn::Load(Lanes(), last_)), hn::Zero(Lanes()))), di, cell);
+    hn::Store(hn::ConvertTo(di, hn::Max(hn::Min(x, hn::Load(Lanes4(), last_)), hn::Zero(Lanes4()))), di, cell);
     std::uint64_t code = 0;
     for (std::size_t axis = 0; axis < 3; ++axis) {
         const auto c = static_cast<std::uint32_t>(cell[axis]);

@@ -53,6 +53,11 @@ struct MortonOrder
 
     std::size_t size() const { return packed.size() + wide.size(); }
     bool is_wide() const { return wide.size() > 0; }
+    // Which reference is at place i.
+    std::size_t index(std::size_t i) const
+    {
+        return is_wide() ? wide[i].index : packed[i] & ((std::uint64_t{1} << index_bits) - 1);
+    }
 };
 
 // The same for any number of threads. Fewer than 2^30 references.

@@ -1,71 +1,68 @@
 #include "snell/bvh/build.h"
 #include "snell/bvh/linked_tree.h"
 #include "snell/bvh/morton.h"
+#include "snell/bvh/simd/neighbours.h"
 #include "snell/core/error.h"
 #include "snell/core/parallel.h"
 
-#include <hwy/highway.h>
+#include <hwy/cache_control.h>
 
 #include <algorithm>
 #include <array>
 #include <bit>
-#include <numeric>
+#include <utility>
 
 namespace snell {
 namespace {
 
-namespace hn = hwy::HWY_NAMESPACE;
-using Lanes = hn::FixedTag<float, 4>;
-using Codes = hn::RebindToUnsigned<Lanes>;
-
-constexpr std::size_t radius = 10;       // how far along the curve a neighbour may be
 constexpr std::size_t chunk_size = 4096; // of parallel passes
-constexpr std::size_t lanes = 4;
 // Rounds over more clusters than that must merge a sixteenth of them, so that the time stays in proportion. What costs
 // less than a millisecond may take its time.
 constexpr std::size_t few = 1024;
-
-// The neighbour that a cluster wants is a number: the surface of the two together, less its last bits, which hold who
-// it is as seen from the lower one of the two, `d` before the other: d - 1 and, in the last bit, `side`. Both of a pair
-// see the same number. Among equal surfaces near ones come first, and of those at the same distance every other one:
-// whole rows of equals pair up in one round. (With ties to the lower index such a row would merge a pair a round.)
-constexpr std::uint32_t code_bits = 5, code_mask = (1u << code_bits) - 1, nobody = ~0u;
-static_assert(2 * radius <= code_mask + 1);
-
-// Differs between i and i - d, for any i.
-constexpr std::uint32_t side(std::size_t i, std::size_t d)
-{
-    return static_cast<std::uint32_t>(i >> std::countr_zero(d)) & 1;
-}
-
-std::size_t partner(std::size_t i, std::uint32_t key)
-{
-    const std::size_t d = ((key & code_mask) >> 1) + 1;
-    return side(i, d) == (key & 1) ? i + d : i - d;
-}
+constexpr std::size_t ahead = 24; // references that are on their way from memory
+constexpr std::uint32_t nothing = ~0u;
 
 // Subtrees that wait to be joined, in the order of the curve.
-struct Clusters
+class Clusters
 {
-    std::array<Scratch<float>, 6> planes; // lower x, y, z, upper x, y, z
-    Scratch<std::uint32_t> node;
+  public:
+    Scratch<std::uint32_t> node; // of a leaf: its first reference; Builder::after_ links the others to it
 
     explicit Clusters(std::size_t count) : node(count)
     {
-        for (Scratch<float>& plane : planes) plane = Scratch<float>(count + lanes);
+        for (std::size_t i = 0; i < memory_.size(); ++i) {
+            memory_[i] = Scratch<float>(count + 2 * cluster_margin);
+            planes_[i] = memory_[i].data() + cluster_margin;
+            std::fill_n(memory_[i].data(), cluster_margin, 0.0f);
+        }
+    }
+    ClusterPlanes planes() const
+    {
+        ClusterPlanes planes;
+        std::copy(planes_.begin(), planes_.end(), planes.begin());
+        return planes;
     }
     Box box(std::size_t i) const
     {
-        return {vec3(planes[0][i], planes[1][i], planes[2][i]), vec3(planes[3][i], planes[4][i], planes[5][i])};
+        return {vec3(planes_[0][i], planes_[1][i], planes_[2][i]), vec3(planes_[3][i], planes_[4][i], planes_[5][i])};
     }
-    void set(std::size_t i, const Box& box, std::uint32_t id)
+    // Entries of a leaf, 4 for an instance; more: an inner node.
+    float size(std::size_t i) const { return planes_[6][i]; }
+    bool is_leaf(std::size_t i) const { return size(i) <= float{max_leaf_size}; }
+
+    void set(std::size_t i, const Box& box, float size, std::uint32_t id)
     {
         for (int axis = 0; axis < 3; ++axis) {
-            planes[static_cast<std::size_t>(axis)][i] = box.lower[axis];
-            planes[static_cast<std::size_t>(axis) + 3][i] = box.upper[axis];
+            planes_[static_cast<std::size_t>(axis)][i] = box.lower[axis];
+            planes_[static_cast<std::size_t>(axis) + 3][i] = box.upper[axis];
         }
+        planes_[6][i] = size;
         node[i] = id;
     }
+
+  private:
+    std::array<Scratch<float>, 7> memory_;
+    std::array<float*, 7> planes_;
 };
 
 template <class Body>
@@ -85,168 +82,164 @@ class Builder
 {
   public:
     explicit Builder(std::span<const PrimitiveRef> primitives)
-        : refs(primitives), nodes(2 * refs.size() - 1), order(refs.size()), now(refs.size()), next(refs.size()),
-          wanted(refs.size())
+        : refs_(primitives), nodes_(2 * refs_.size() - 1), after_(refs_.size()), now_(refs_.size()),
+          next_(refs_.size()), wanted_(refs_.size())
     {
     }
 
     BinaryTree run()
     {
-        const MortonOrder curve = sort_by_morton(refs);
-        if (curve.is_wide())
-            make_leaves([&](std::size_t i) { return std::size_t{curve.wide[i].index}; });
-        else
-            make_leaves([&](std::size_t i) {
-                return static_cast<std::size_t>(curve.packed[i] & ((std::uint64_t{1} << curve.index_bits) - 1));
+        make_leaves();
+        std::size_t count = refs_.size();
+        while (count > 1) {
+            for_chunks(count, [&](std::size_t, std::size_t begin, std::size_t end) {
+                find_neighbours(now_.planes(), begin, end, count, wanted_.data());
             });
-        std::size_t used = refs.size();
-        for (std::size_t count = refs.size(); count > 1;) {
-            for_chunks(count, [&](std::size_t, std::size_t begin, std::size_t end) { choose(begin, end, count); });
-            std::size_t merged = count_places(count);
-            if (count > few && merged < count / 16) {
+            Place sum = find_places(count);
+            if (count > few && count - sum.clusters < count / 16) {
                 pair_up(count);
-                merged = count_places(count);
+                sum = find_places(count);
             }
-            SNELL_CHECK_LT(std::size_t{0}, merged);
+            SNELL_CHECK_LT(sum.clusters, count);
             for_chunks(count, [&](std::size_t chunk, std::size_t begin, std::size_t end) {
-                merge(begin, end, places[chunk], used);
+                merge(begin, end, places_[chunk]);
             });
-            std::swap(now, next);
-            used += merged;
-            count -= merged;
+            std::swap(now_, next_);
+            count = sum.clusters;
+            used_ = {0, sum.nodes, sum.entries};
         }
-        SNELL_CHECK_EQ(used, nodes.size());
-        return make_depth_first(nodes, static_cast<uint>(used - 1), order);
+        const std::uint32_t root = finished(now_, 0, used_);
+        return make_depth_first({nodes_.data(), used_.nodes}, root, {order_.data(), used_.entries});
     }
 
   private:
-    // Where a chunk writes to: how many clusters and new nodes come from the chunks before it.
+    // Where a chunk writes to.
     struct Place
     {
-        std::size_t clusters = 0, nodes = 0;
+        std::size_t clusters = 0, nodes = 0, entries = 0;
     };
 
-    std::span<const PrimitiveRef> refs;
-    Scratch<LinkedNode> nodes;
-    Scratch<BinaryTree::Entry> order;
-    Clusters now, next;
-    Scratch<std::uint32_t> wanted;
-    std::vector<Place> places;
+    std::span<const PrimitiveRef> refs_;
+    bool one_kind_ = false;             // and not instances
+    Scratch<LinkedNode> nodes_;         // of what has its final children
+    Scratch<BinaryTree::Entry> order_;  // of leaves among them
+    Scratch<BinaryTree::Entry> sorted_; // along the curve
+    Scratch<std::uint32_t> after_;      // the next one in the same leaf, both by place on the curve
+    Clusters now_, next_;
+    Scratch<std::uint32_t> wanted_;
+    std::vector<Place> places_;
+    Place used_;
 
-    template <class Index>
-    void make_leaves(const Index& index)
+    void make_leaves()
     {
-        for_chunks(refs.size(), [&](std::size_t, std::size_t begin, std::size_t end) {
+        const MortonOrder curve = sort_by_morton(refs_);
+        one_kind_ = std::has_single_bit(curve.kinds) && curve.kinds != 1u << static_cast<uint>(RefKind::instance);
+        order_ = Scratch<BinaryTree::Entry>(one_kind_ ? refs_.size() : max_leaf_size * refs_.size());
+        sorted_ = Scratch<BinaryTree::Entry>(refs_.size());
+        for_chunks(refs_.size(), [&](std::size_t, std::size_t begin, std::size_t end) {
             for (std::size_t i = begin; i < end; ++i) {
-                const PrimitiveRef& ref = refs[index(i)];
-                const Box box{ref.lower, ref.upper};
-                const uint id = static_cast<uint>(i);
-                nodes[i] = {box, id, 0, 1};
-                order[i] = {ref.index, ref.kind};
-                now.set(i, box, id);
+                hwy::Prefetch(&refs_[curve.index(std::min(i + ahead, refs_.size() - 1))]);
+                const PrimitiveRef& ref = refs_[curve.index(i)];
+                sorted_[i] = {ref.index, ref.kind};
+                after_[i] = nothing;
+                const float size = ref.kind == RefKind::instance ? float{max_leaf_size} : 1.0f;
+                now_.set(i, {ref.lower, ref.upper}, size, static_cast<std::uint32_t>(i));
             }
         });
-    }
-
-    // The best neighbours of the clusters in [begin, end).
-    void choose(std::size_t begin, std::size_t end, std::size_t count)
-    {
-        // Each pair is looked at once, for both; a few beyond the ends are looked at again by the next chunk.
-        const std::size_t first = begin - std::min(begin, radius);
-        std::array<std::uint32_t, chunk_size + 2 * radius + lanes> best;
-        const std::size_t width = std::min(end + radius, count) - first;
-        std::fill_n(best.begin(), width, nobody);
-        for (std::size_t d = 1; d <= std::min(radius, count - 1); ++d) {
-            const std::size_t stop = std::min(end, count - d);
-            std::size_t i = first;
-            for (; i + lanes <= stop; i += lanes) {
-                const auto key = keys(i, d);
-                std::uint32_t *lower = &best[i - first], *upper = lower + d;
-                hn::StoreU(hn::Min(hn::LoadU(Codes(), lower), key), Codes(), lower);
-                hn::StoreU(hn::Min(hn::LoadU(Codes(), upper), key), Codes(), upper);
-            }
-            if (i < stop) {
-                alignas(16) std::uint32_t key[lanes];
-                hn::Store(keys(i, d), Codes(), key);
-                for (std::size_t lane = 0; i < stop; ++i, ++lane) {
-                    best[i - first] = std::min(best[i - first], key[lane]);
-                    best[i - first + d] = std::min(best[i - first + d], key[lane]);
-                }
-            }
-        }
-        std::copy_n(best.begin() + (begin - first), end - begin, wanted.data() + begin);
-    }
-
-    // What the clusters i, i + 1 ... have in common with those d after them.
-    hn::Vec<Codes> keys(std::size_t i, std::size_t d) const
-    {
-        hn::Vec<Lanes> e[3];
-        for (std::size_t axis = 0; axis < 3; ++axis) {
-            const float *lower = now.planes[axis].data() + i, *upper = now.planes[axis + 3].data() + i;
-            e[axis] = hn::Sub(hn::Max(hn::LoadU(Lanes(), upper), hn::LoadU(Lanes(), upper + d)),
-                              hn::Min(hn::LoadU(Lanes(), lower), hn::LoadU(Lanes(), lower + d)));
-        }
-        // Not negative; the sign bit goes, for the NaN of an overflow may have one.
-        const auto area = hn::Add(hn::Mul(e[0], hn::Add(e[1], e[2])), hn::Mul(e[1], e[2]));
-        const auto index = hn::Iota(Codes(), static_cast<std::uint32_t>(i));
-        const auto sides = hn::And(hn::ShiftRightSame(index, std::countr_zero(d)), hn::Set(Codes(), 1));
-        const auto who = hn::Or(sides, hn::Set(Codes(), static_cast<std::uint32_t>((d - 1) << 1)));
-        return hn::Or(hn::And(hn::BitCast(Codes(), area), hn::Set(Codes(), 0x7fffffffu & ~code_mask)), who);
     }
 
     // Merges neighbours whatever it costs: surfaces that grow along the curve leave one agreeing pair among many.
     void pair_up(std::size_t count)
     {
-        for (std::size_t i = 0; i < count; ++i) wanted[i] = 0;
-        if (count % 2 == 1) wanted[count - 1] = nobody;
+        std::fill_n(wanted_.data(), count, 0u); // 0 and 1, 2 and 3 ...
+        if (count % 2 == 1) wanted_[count - 1] = no_neighbour;
     }
 
     // The cluster that i is joined with: both want each other. Itself: it stays alone.
     std::size_t agreed(std::size_t i) const
     {
-        const std::uint32_t key = wanted[i];
-        if (key == nobody) return i;
-        const std::size_t other = partner(i, key);
-        return wanted[other] == key ? other : i;
+        const std::uint32_t key = wanted_[i];
+        if (key == no_neighbour) return i;
+        const std::size_t other = wanted_neighbour(i, key);
+        return wanted_[other] == key ? other : i;
     }
 
-    // Fills `places` and returns how many pairs agree.
-    std::size_t count_places(std::size_t count)
+    // Whether the two make one leaf. One over many small boxes costs a block, as much as each of them, so it pays.
+    bool make_a_leaf(std::size_t a, std::size_t b) const
     {
-        places.assign((count + chunk_size - 1) / chunk_size, {});
+        static_assert(cost_of_block <= cost_of_node);
+        if (now_.size(a) + now_.size(b) > float{max_leaf_size}) return false;
+        return one_kind_ || sorted_[now_.node[a]].kind == sorted_[now_.node[b]].kind;
+    }
+
+    // Fills places_ and returns what there will be after the merge.
+    Place find_places(std::size_t count)
+    {
+        places_.assign((count + chunk_size - 1) / chunk_size, {});
         for_chunks(count, [&](std::size_t chunk, std::size_t begin, std::size_t end) {
             Place place;
             for (std::size_t i = begin; i < end; ++i) {
                 const std::size_t other = agreed(i);
-                place.clusters += other >= i;
-                place.nodes += other > i;
+                if (other < i) continue;
+                ++place.clusters;
+                if (other == i || make_a_leaf(i, other)) continue;
+                ++place.nodes;
+                for (const std::size_t child : {i, other}) {
+                    if (!now_.is_leaf(child)) continue;
+                    ++place.nodes;
+                    place.entries += static_cast<std::size_t>(now_.size(child));
+                }
             }
-            places[chunk] = place;
+            places_[chunk] = place;
         });
-        Place sum;
-        for (Place& place : places) {
+        Place sum = used_;
+        sum.clusters = 0;
+        for (Place& place : places_) {
             const Place own = std::exchange(place, sum);
             sum.clusters += own.clusters;
             sum.nodes += own.nodes;
+            sum.entries += own.entries;
         }
-        return sum.nodes;
+        return sum;
     }
 
-    void merge(std::size_t begin, std::size_t end, Place place, std::size_t used)
+    void merge(std::size_t begin, std::size_t end, Place place)
     {
         for (std::size_t i = begin; i < end; ++i) {
             const std::size_t other = agreed(i);
             if (other < i) continue;
-            Box box = now.box(i);
-            std::uint32_t id = now.node[i];
+            Box box = now_.box(i);
+            float size = now_.size(i);
+            std::uint32_t id = now_.node[i];
             if (other > i) {
-                box.extend(now.box(other));
-                const std::size_t made = used + place.nodes++;
-                nodes[made] = {box, id, now.node[other], 0};
-                id = static_cast<std::uint32_t>(made);
+                box.extend(now_.box(other));
+                size += now_.size(other);
+                if (make_a_leaf(i, other)) {
+                    std::uint32_t last = id;
+                    while (after_[last] != nothing) last = after_[last];
+                    after_[last] = now_.node[other];
+                } else {
+                    const std::uint32_t left = finished(now_, i, place), right = finished(now_, other, place);
+                    id = static_cast<std::uint32_t>(place.nodes++);
+                    nodes_[id] = {box, left, right, 0};
+                    size = float{max_leaf_size + 1};
+                }
             }
-            next.set(place.clusters++, box, id);
+            next_.set(place.clusters++, box, size, id);
         }
+    }
+
+    // The node of a cluster that grows no more.
+    std::uint32_t finished(const Clusters& clusters, std::size_t i, Place& place)
+    {
+        if (!clusters.is_leaf(i)) return clusters.node[i];
+        const std::size_t first = place.entries;
+        place.entries += static_cast<std::size_t>(clusters.size(i));
+        uint count = 0;
+        for (std::uint32_t at = clusters.node[i]; at != nothing; at = after_[at], ++count)
+            order_[first + count] = sorted_[at];
+        nodes_[place.nodes] = {clusters.box(i), static_cast<uint>(first), 0, count};
+        return static_cast<std::uint32_t>(place.nodes++);
     }
 };
 

@@ -18,14 +18,19 @@ namespace {
 
 using namespace sbvh;
 
-constexpr int halving_depth = 64;           // deeper sets are halved by number: at most 28 levels more
+constexpr int halving_depth = 64;           // deeper sets are halved by number: at most 30 levels more
 constexpr std::size_t piece_size = 8192;    // subtrees up to here are built by one thread
 constexpr std::size_t chunk_size = 1 << 15; // of parallel passes; fixed, for the result must not depend on threads
 
 // When a spatial split is worth trying: the children of the object split have so much surface in common, against the
-// root's and against the node's own; and there is more below than a few leaves, which gain nothing.
-constexpr double overlap_of_root = 1e-5, overlap_of_node = 0.03;
+// root's and against the node's own; and there is more below than a few leaves, which gain nothing. Of small sets there
+// are so many that attempts which promise little cost more than they bring.
+constexpr double overlap_of_root = 1e-5, overlap_of_large = 0.03, overlap_of_small = 0.2;
 constexpr std::size_t least_count = 17;
+
+// Of large sets only so many references are chopped at first. Most attempts end there: a part of the references has
+// smaller boxes than all, so if it costs too much, they do. Otherwise it names the axis.
+constexpr std::size_t sample_size = 1024, large_count = 4 * sample_size;
 
 // References in one of the arrays.
 struct Set
@@ -278,7 +283,19 @@ class Builder
         if (set.budget == 0 || set.count < least_count) return false;
         if (object.axis < 0) return true;
         const double overlap = intersection(object.left.box(), object.right.box()).half_area();
-        return overlap > least_overlap && overlap > overlap_of_node * set.extents.box.box().half_area();
+        const double part = set.count < large_count ? overlap_of_small : overlap_of_large;
+        return overlap > least_overlap && overlap > part * set.extents.box.box().half_area();
+    }
+
+    // What the best spatial split costs at least. Leaves only the axis of that one possible.
+    float sampled_cost(const Set& set, Slabs& slabs) const
+    {
+        SpatialBins bins(slabs.bins);
+        const std::size_t stride = set.count / sample_size;
+        add_chopped(bins, scene, std::span(set.refs, set.count), slabs, stride);
+        const Split best = bins.best(slabs.possible);
+        for (int axis = 0; axis < 3; ++axis) slabs.possible[axis] = axis == best.axis;
+        return static_cast<float>(stride) * best.cost;
     }
 
     // Divides a set of at least two: both sides get at least one reference, and what is left of the budget.
@@ -292,14 +309,16 @@ class Builder
                     add_objects(bins, refs, by_centre);
                 });
             if (try_spatial(set, object)) {
-                const Slabs slabs(set.extents.box.box(), spatial_bins);
-                const Split split =
-                    best_split<SpatialBins>(set, slabs, [&](SpatialBins& bins, std::span<const PrimitiveRef> refs) {
-                        add_chopped(bins, scene, refs, slabs);
-                    });
-                if (split.axis >= 0 && split.cost < object.cost &&
-                    divide_by(ByPlane(scene, split, slabs.plane(split.axis, split.bin)), set, depth, left, right))
-                    return;
+                Slabs slabs(set.extents.box.box(), spatial_bins);
+                if (set.count < large_count || sampled_cost(set, slabs) < object.cost) {
+                    const Split split =
+                        best_split<SpatialBins>(set, slabs, [&](SpatialBins& bins, std::span<const PrimitiveRef> refs) {
+                            add_chopped(bins, scene, refs, slabs);
+                        });
+                    if (split.axis >= 0 && split.cost < object.cost &&
+                        divide_by(ByPlane(scene, split, slabs.plane(split.axis, split.bin)), set, depth, left, right))
+                        return;
+                }
             }
             if (object.axis >= 0 && divide_by(ByCentre{by_centre, object}, set, depth, left, right)) return;
         }

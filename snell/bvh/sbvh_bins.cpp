@@ -87,9 +87,10 @@ void chop(SpatialBins& histogram, const Slabs& slabs, const Sweep& sweep, int ax
 } // namespace
 
 void add_chopped(SpatialBins& histogram, const PackedScene& scene, std::span<const PrimitiveRef> refs,
-                 const Slabs& slabs)
+                 const Slabs& slabs, std::size_t stride)
 {
-    for (const PrimitiveRef& ref : refs) {
+    for (std::size_t number = 0; number < refs.size(); number += stride) {
+        const PrimitiveRef& ref = refs[number];
         alignas(16) std::int32_t first[4], last[4];
         const Vec lo = load3(ref.lower), hi = load3(ref.upper);
         if (ref.kind == RefKind::triangle) {
@@ -101,6 +102,7 @@ void add_chopped(SpatialBins& histogram, const PackedScene& scene, std::span<con
         }
         std::optional<Points> points;
         for (int axis = 0; axis < 3; ++axis) {
+            if (!slabs.possible[axis]) continue;
             auto& row = histogram.axes[static_cast<std::size_t>(axis)];
             const auto begin = static_cast<uint>(first[axis]), end = static_cast<uint>(last[axis]);
             ++row[begin].entering;

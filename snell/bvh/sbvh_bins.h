@@ -203,8 +203,9 @@ inline void add_objects(ObjectBins& histogram, std::span<const PrimitiveRef> ref
     }
 }
 
-// Chops each triangle at the slabs' planes. To within rounding: it is the cut itself that must be exact.
+// Chops the triangles at the slabs' planes. To within rounding: it is the cut itself that must be exact.
+// Only on axes that are possible. stride: takes every so many of the references.
 void add_chopped(SpatialBins& histogram, const PackedScene& scene, std::span<const PrimitiveRef> refs,
-                 const Slabs& slabs);
+                 const Slabs& slabs, std::size_t stride = 1);
 
 } // namespace snell::sbvh

@@ -300,11 +300,11 @@ WideTree<Node> make_top_tree(const PackedScene& scene, const WideBvh<Node>& bvh,
 }
 
 template <class Node>
-WideBvh<Node> make_wide(const PackedScene& scene, const BuildOptions& options)
+WideBvh<Node> make_wide(const PackedScene& scene, const BuildOptions& options, const TreeCache& cache)
 {
     WideBvh<Node> bvh;
     const auto build = [&](const PackedGroup& group) {
-        return make_wide_tree<Node>(scene, build_tree(scene, collect_primitives(scene, group), options));
+        return make_wide_tree<Node>(scene, build_cached(scene, collect_primitives(scene, group), options, cache));
     };
     bvh.world = build(scene.world);
     bvh.groups.resize(scene.groups.size());
@@ -317,7 +317,7 @@ WideBvh<Node> make_wide(const PackedScene& scene, const BuildOptions& options)
     template struct WideBvh<Node>;                                                                                     \
     template WideTree<Node> make_wide_tree<Node>(const PackedScene&, const BinaryTree&, std::span<const Below>);       \
     template WideTree<Node> make_top_tree<Node>(const PackedScene&, const WideBvh<Node>&, const BuildOptions&);        \
-    template WideBvh<Node> make_wide<Node>(const PackedScene&, const BuildOptions&);
+    template WideBvh<Node> make_wide<Node>(const PackedScene&, const BuildOptions&, const TreeCache&);
 SNELL_INSTANTIATE(Node2)
 SNELL_INSTANTIATE(Node4)
 SNELL_INSTANTIATE(Node8)

@@ -3,6 +3,7 @@
 
 #include "snell/bvh/big_pages.h"
 #include "snell/bvh/build.h"
+#include "snell/bvh/cache.h"
 #include "snell/bvh/node.h"
 #include "snell/bvh/tree.h"
 #include "snell/bvh/triangle_block.h"
@@ -74,8 +75,8 @@ WideTree<Node> make_wide_tree(const PackedScene& scene, const BinaryTree& tree, 
 template <class Node>
 WideTree<Node> make_top_tree(const PackedScene& scene, const WideBvh<Node>& bvh, const BuildOptions& options);
 
-// Collects, builds and converts all of a scene.
+// Collects, builds and converts all of a scene. Large trees are kept in the cache, if there is one.
 template <class Node>
-WideBvh<Node> make_wide(const PackedScene& scene, const BuildOptions& options = {});
+WideBvh<Node> make_wide(const PackedScene& scene, const BuildOptions& options = {}, const TreeCache& cache = {});
 
 } // namespace snell

@@ -38,7 +38,7 @@ class WideAccel : public Accel
     WideAccel(const PackedScene& packed, const AccelOptions& chosen) : scene(packed), options(chosen)
     {
         const Timer timer;
-        bvh = make_wide<Node>(scene, options.build);
+        bvh = make_wide<Node>(scene, options.build, {options.cache});
         settle();
         stats.build_seconds = timer.seconds();
     }
@@ -47,7 +47,7 @@ class WideAccel : public Accel
     {
         if (!changes.any()) return;
         const Timer timer;
-        bvh = make_wide<Node>(scene, options.build);
+        bvh = make_wide<Node>(scene, options.build, {options.cache});
         settle();
         stats.build_seconds = timer.seconds();
     }

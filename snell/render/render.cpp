@@ -8,6 +8,7 @@
 #include "snell/kernel/views.h"
 #include "snell/render/backend.h"
 #include "snell/render/params.h"
+#include "snell/scene/lights.h"
 
 #include <algorithm>
 
@@ -67,13 +68,29 @@ std::unique_ptr<Prepared> prepare(const Scene& scene, const RenderSettings& sett
 
     auto prepared = std::make_unique<Prepared>();
     Timer timer;
-    prepared->packed = pack(scene);
+    if (settings.keep_motion) prepared->motion = std::make_unique<MotionMap>();
+    prepared->packed = settings.keep_motion ? pack(scene, *prepared->motion) : pack(scene);
     apply_overrides(prepared->packed, settings);
+    // An update() will list the lights with the materials that are there then: so do that now as well.
+    if (settings.keep_motion && !settings.image_textures) pack_lights(scene, prepared->packed);
     prepared->camera = scene.cameras.front();
     prepared->pack_seconds = timer.lap();
     prepared->accel = info->make(prepared->packed, options);
     prepared->build_seconds = timer.seconds();
     return prepared;
+}
+
+void Prepared::update(const Scene& scene)
+{
+    SNELL_CHECK_EQ(motion != nullptr, true);
+    if (scene.cameras.empty()) throw Error("the scene has no camera", "call complete() before rendering it");
+    Timer timer;
+    changes = repose(scene, packed, *motion);
+    camera = scene.cameras.front();
+    pack_seconds = timer.lap();
+    accel->update(changes);
+    build_seconds = timer.seconds();
+    updated = true;
 }
 
 static Region checked_region(const RenderSettings& settings)
@@ -145,6 +162,9 @@ RenderResult render(const Prepared& prepared, const RenderSettings& settings, co
     result.stats = backend->stats();
     result.stats.pack_seconds = prepared.pack_seconds;
     result.stats.build_seconds = prepared.build_seconds;
+    result.stats.updated = prepared.updated;
+    result.stats.refitted_trees = prepared.updated ? prepared.accel->stats.refitted : 0;
+    result.stats.rebuilt_trees = prepared.updated ? prepared.accel->stats.rebuilt : 0;
     result.stats.render_seconds = timer.seconds();
     result.stats.scene_bytes = prepared.packed.bytes();
     result.stats.accel_bytes = prepared.accel->stats.bytes;

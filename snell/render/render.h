@@ -3,6 +3,7 @@
 
 #include "snell/render/film.h"
 #include "snell/render/settings.h"
+#include "snell/scene/repose.h"
 
 #include <atomic>
 #include <functional>
@@ -16,6 +17,8 @@ struct RenderStats
     std::uint64_t camera_rays = 0, extension_rays = 0, shadow_rays = 0;
     std::uint64_t samples = 0;
     double load_seconds = 0, pack_seconds = 0, build_seconds = 0, render_seconds = 0; // load: filled by the caller
+    bool updated = false; // packing and building only followed what moved
+    std::size_t refitted_trees = 0, rebuilt_trees = 0;
     // Thread time by stage, summed over threads.
     double generate_seconds = 0, extend_seconds = 0, shade_seconds = 0, connect_seconds = 0, finalize_seconds = 0;
     std::size_t scene_bytes = 0, accel_bytes = 0;
@@ -47,7 +50,14 @@ struct Prepared
     PackedScene packed;
     std::unique_ptr<Accel> accel;
     CameraDesc camera;
-    double pack_seconds = 0, build_seconds = 0;
+    double pack_seconds = 0, build_seconds = 0; // of the last prepare() or update()
+    bool updated = false;                       // the last was an update()
+    PackedChanges changes;                      // that it followed
+    std::unique_ptr<MotionMap> motion;          // with RenderSettings::keep_motion
+
+    // Follows the scene, from prepare() with keep_motion, into another pose(): what did not move is not touched. Every
+    // picture is then what it would be had the scene been prepared in this pose, bit for bit.
+    void update(const Scene& scene);
 };
 
 // The scene must be valid and complete. Throws Error for unknown names.

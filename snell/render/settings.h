@@ -37,6 +37,7 @@ struct RenderSettings
     bool image_textures = true;
     bool strict = false; // a non-finite sample is an Error instead of being dropped and counted
     bool layers = false; // also record first-hit pictures and direct, indirect, emission apart
+    bool keep_motion = false; // what animations move is packed and built apart, for Prepared::update()
 };
 
 } // namespace snell

@@ -205,7 +205,7 @@ TEST(TreeQuality, EndPointOverlapAgreesWithBruteForce)
             SCOPED_TRACE(builder.name);
             const BinaryTree tree = builder.build(scene, refs, {});
             const double expected = brute_epo(scene, tree);
-            EXPECT_GT(expected, 0.1);
+            EXPECT_GT(expected, 0.01);
             EXPECT_NEAR(measure_quality(scene, tree).epo, expected, 1e-9 * expected);
         }
     }
