@@ -29,8 +29,25 @@ constexpr double overlap_of_root = 1e-5, overlap_of_large = 0.03, overlap_of_sma
 constexpr std::size_t least_count = 17;
 
 // Of large sets only so many references are chopped at first. Most attempts end there: a part of the references has
-// smaller boxes than all, so if it costs too much, they do. Otherwise it names the axis.
+// smaller boxes than all, so if it costs too much, they do. Otherwise it names the axis. More than that a sample may
+// not decide: the few large triangles that it misses are what matters.
 constexpr std::size_t sample_size = 1024, large_count = 4 * sample_size;
+
+struct WeighedExtents : Extents
+{
+    double weight = 0; // the surfaces of the references
+
+    void extend(const PrimitiveRef& ref)
+    {
+        Extents::extend(ref);
+        weight += double(half_area(WideBox{load3(ref.lower), load3(ref.upper)}));
+    }
+    void extend(const WeighedExtents& e)
+    {
+        Extents::extend(e);
+        weight += e.weight;
+    }
+};
 
 // References in one of the arrays.
 struct Set
@@ -38,7 +55,9 @@ struct Set
     const PrimitiveRef* refs;
     std::size_t count, budget; // budget: how many more they may become
     std::size_t place;         // where the set's region of count + budget begins
-    Extents extents;
+    WeighedExtents extents;
+
+    std::span<const PrimitiveRef> all() const { return {refs, count}; }
 };
 
 enum class Side
@@ -71,8 +90,8 @@ class ByPlane
 {
   public:
     ByPlane(const PackedScene& packed, const Split& best, float where)
-        : scene(packed), split(best), plane(where), left_area(split.left.half_area()),
-          right_area(split.right.half_area()), left_count(static_cast<float>(split.left_count)),
+        : scene(packed), split(best), plane(where), left_area(half_area(split.left)),
+          right_area(half_area(split.right)), left_count(static_cast<float>(split.left_count)),
           right_count(static_cast<float>(split.right_count))
     {
     }
@@ -89,13 +108,13 @@ class ByPlane
 
         // Reference unsplitting. By what the bins said of the sides, whatever becomes of other references, so that
         // their order does not matter.
-        const Vec lo = load3(ref.lower), hi = load3(ref.upper);
+        const Vec4 lo = load3(ref.lower), hi = load3(ref.upper);
         WideBox with_left = split.left, with_right = split.right;
         with_left.extend(lo, hi);
         with_right.extend(lo, hi);
         const float both = left_area * left_count + right_area * right_count;
-        const float only_left = with_left.half_area() * left_count + right_area * (right_count - 1.0f);
-        const float only_right = left_area * (left_count - 1.0f) + with_right.half_area() * right_count;
+        const float only_left = half_area(with_left) * left_count + right_area * (right_count - 1.0f);
+        const float only_right = left_area * (left_count - 1.0f) + half_area(with_right) * right_count;
         if (std::min(only_left, only_right) < both) return only_left <= only_right ? Side::left : Side::right;
 
         const Triangle& tri = scene.triangles[ref.index];
@@ -122,7 +141,7 @@ struct Ends
 {
     PrimitiveRef* left;  // where the next one goes
     PrimitiveRef* right; // one past where the next one goes
-    Extents left_extents, right_extents;
+    WeighedExtents left_extents, right_extents;
 };
 
 constexpr std::size_t block_size = 256; // so few that they are still in the first-level cache for the extents
@@ -247,11 +266,11 @@ class Builder
         });
     }
 
-    static Extents extents_of(const Set& set)
+    static WeighedExtents extents_of(const Set& set)
     {
-        std::vector<Extents> parts((set.count + chunk_size - 1) / chunk_size);
+        std::vector<WeighedExtents> parts((set.count + chunk_size - 1) / chunk_size);
         parallel_for(parts.size(), [&](std::size_t chunk) {
-            Extents part;
+            WeighedExtents part;
             const std::size_t first = chunk * chunk_size;
             for (const PrimitiveRef& ref : std::span(set.refs + first, std::min(chunk_size, set.count - first)))
                 part.extend(ref);
@@ -267,7 +286,7 @@ class Builder
     {
         Bins bins(slabs.bins);
         if (chunks(set.count) == 1) {
-            fill(bins, std::span(set.refs, set.count));
+            fill(bins, set.all());
         } else {
             std::vector<Bins> parts(chunks(set.count), bins);
             for_chunks(set, [&](std::size_t chunk, std::size_t, std::span<const PrimitiveRef> refs) {
@@ -276,6 +295,30 @@ class Builder
             for (const Bins& part : parts) bins.add(part);
         }
         return bins.best(slabs.possible);
+    }
+
+    static Split object_split(const Set& set, const Slabs& slabs)
+    {
+        return best_split<ObjectBins>(
+            set, slabs, [&](ObjectBins& bins, std::span<const PrimitiveRef> refs) { add_objects(bins, refs, slabs); });
+    }
+
+    // The best spatial split, if it costs less than `most`; else its axis is -1.
+    Split spatial_split(const Set& set, Slabs& slabs, float most) const
+    {
+        if (set.count >= large_count) {
+            const std::size_t stride = set.count / sample_size;
+            SpatialBins bins(slabs.bins);
+            add_chopped(bins, scene, set.all(), slabs, stride);
+            const Split sampled = bins.best(slabs.possible);
+            if (!(static_cast<float>(stride) * sampled.cost < most)) return {};
+            for (int axis = 0; axis < 3; ++axis) slabs.possible[axis] = axis == sampled.axis;
+        }
+        const Split split =
+            best_split<SpatialBins>(set, slabs, [&](SpatialBins& bins, std::span<const PrimitiveRef> refs) {
+                add_chopped(bins, scene, refs, slabs);
+            });
+        return split.cost < most ? split : Split();
     }
 
     bool try_spatial(const Set& set, const Split& object) const
@@ -287,38 +330,19 @@ class Builder
         return overlap > least_overlap && overlap > part * set.extents.box.box().half_area();
     }
 
-    // What the best spatial split costs at least. Leaves only the axis of that one possible.
-    float sampled_cost(const Set& set, Slabs& slabs) const
-    {
-        SpatialBins bins(slabs.bins);
-        const std::size_t stride = set.count / sample_size;
-        add_chopped(bins, scene, std::span(set.refs, set.count), slabs, stride);
-        const Split best = bins.best(slabs.possible);
-        for (int axis = 0; axis < 3; ++axis) slabs.possible[axis] = axis == best.axis;
-        return static_cast<float>(stride) * best.cost;
-    }
-
     // Divides a set of at least two: both sides get at least one reference, and what is left of the budget.
     void divide(const Set& set, int depth, Set& left, Set& right) const
     {
         if (depth < halving_depth) {
-            const Slabs by_centre(set.extents.centroid.box(),
+            const Slabs by_centre(set.extents.centre.box(),
                                   static_cast<uint>(std::min<std::size_t>(object_bins, 4 + set.count / 2)));
-            const Split object =
-                best_split<ObjectBins>(set, by_centre, [&](ObjectBins& bins, std::span<const PrimitiveRef> refs) {
-                    add_objects(bins, refs, by_centre);
-                });
+            const Split object = object_split(set, by_centre);
             if (try_spatial(set, object)) {
                 Slabs slabs(set.extents.box.box(), spatial_bins);
-                if (set.count < large_count || sampled_cost(set, slabs) < object.cost) {
-                    const Split split =
-                        best_split<SpatialBins>(set, slabs, [&](SpatialBins& bins, std::span<const PrimitiveRef> refs) {
-                            add_chopped(bins, scene, refs, slabs);
-                        });
-                    if (split.axis >= 0 && split.cost < object.cost &&
-                        divide_by(ByPlane(scene, split, slabs.plane(split.axis, split.bin)), set, depth, left, right))
-                        return;
-                }
+                const Split split = spatial_split(set, slabs, object.cost);
+                if (split.axis >= 0 &&
+                    divide_by(ByPlane(scene, split, slabs.plane(split.axis, split.bin)), set, depth, left, right))
+                    return;
             }
             if (object.axis >= 0 && divide_by(ByCentre{by_centre, object}, set, depth, left, right)) return;
         }
@@ -334,7 +358,7 @@ class Builder
         const std::size_t room = set.count + set.budget;
         Ends all{region, region + room, {}, {}};
         if (chunks(set.count) == 1) {
-            if (!write_sides(std::span(set.refs, set.count), 0, side_of, all)) return false;
+            if (!write_sides(set.all(), 0, side_of, all)) return false;
         } else if (!write_chunks(side_of, set, all)) {
             return false;
         }
@@ -417,7 +441,7 @@ class Builder
         if (is_leaf(set)) {
             piece.nodes.push_back(
                 {set.extents.box.box(), static_cast<uint>(piece.order.size()), static_cast<uint>(set.count)});
-            for (const PrimitiveRef& ref : std::span(set.refs, set.count)) piece.order.push_back({ref.index, ref.kind});
+            for (const PrimitiveRef& ref : set.all()) piece.order.push_back({ref.index, ref.kind});
             return set.budget;
         }
         piece.nodes.push_back({set.extents.box.box(), 0, 0});
