@@ -78,7 +78,7 @@ void chop(SpatialBins& histogram, const Slabs& slabs, const Sweep& sweep, int ax
         if (sweep.x[1] >= plane && sweep.x[1] <= next) part.extend(sweep.middle, sweep.middle);
         // An earlier cut may have taken all of this slab's part: then lower exceeds upper.
         part = {hn::Max(part.lower, lo), hn::Min(part.upper, hi)};
-        if (hn::AllTrue(Lanes4(), hn::Le(part.lower, part.upper))) row[bin].box.extend(part);
+        if (hn::AllTrue(Lanes4(), hn::Le(part.lower, part.upper))) row[bin].extend(part);
         section = next_section;
         plane = next;
     }
@@ -108,7 +108,7 @@ void add_chopped(SpatialBins& histogram, const PackedScene& scene, std::span<con
             ++row[begin].entering;
             ++row[end].leaving;
             if (begin == end) {
-                row[begin].box.extend(lo, hi);
+                row[begin].extend({lo, hi});
             } else {
                 if (!points) points.emplace(scene, ref.index);
                 chop(histogram, slabs, Sweep(*points, axis), axis, ref, begin, end);

@@ -71,29 +71,52 @@ struct Split
     uint left_count = 0, right_count = 0;
 };
 
-// Bins on three axes. `leaving` and `entering` count the references whose last or first bin it is.
+// A box and how many references have it as their first bin, and as their last one. No value until cleared, for there
+// are more of them than small sets need.
+struct alignas(16) Bin
+{
+    float lower[4], upper[4];
+    uint entering, leaving;
+
+    void clear()
+    {
+        store({});
+        entering = leaving = 0;
+    }
+    WideBox box() const { return {hn::Load(Lanes4(), lower), hn::Load(Lanes4(), upper)}; }
+    void extend(const WideBox& other)
+    {
+        WideBox all = box();
+        all.extend(other);
+        store(all);
+    }
+
+  private:
+    void store(const WideBox& box)
+    {
+        hn::Store(box.lower, Lanes4(), lower);
+        hn::Store(box.upper, Lanes4(), upper);
+    }
+};
+
+// Bins on three axes.
 template <uint max_bins>
 struct Histogram
 {
-    struct Bin
-    {
-        WideBox box;
-        uint entering, leaving;
-    };
     std::array<std::array<Bin, max_bins>, 3> axes;
     uint bins;
 
     explicit Histogram(uint count) : bins(count)
     {
         for (auto& axis : axes)
-            for (uint i = 0; i < bins; ++i) axis[i] = {{}, 0, 0};
+            for (uint i = 0; i < bins; ++i) axis[i].clear();
     }
     void add(const Histogram& other)
     {
         for (std::size_t axis = 0; axis < 3; ++axis)
             for (uint i = 0; i < bins; ++i) {
                 Bin& bin = axes[axis][i];
-                bin.box.extend(other.axes[axis][i].box);
+                bin.extend(other.axes[axis][i].box());
                 bin.entering += other.axes[axis][i].entering;
                 bin.leaving += other.axes[axis][i].leaving;
             }
@@ -113,7 +136,7 @@ Split Histogram<max_bins>::best(const bool (&possible)[3]) const
         WideBox box;
         uint count = 0;
         for (uint i = bins - 1; i > 0; --i) {
-            box.extend(row[i].box);
+            box.extend(row[i].box());
             count += row[i].leaving;
             right_cost[i] = half_area(box) * blocks(count);
             right_count[i] = count;
@@ -121,16 +144,18 @@ Split Histogram<max_bins>::best(const bool (&possible)[3]) const
         box = WideBox();
         count = 0;
         for (uint i = 1; i < bins; ++i) {
-            box.extend(row[i - 1].box);
+            box.extend(row[i - 1].box());
             count += row[i - 1].entering;
             if (count == 0 || right_count[i] == 0) continue;
             const float cost = half_area(box) * blocks(count) + right_cost[i];
-            if (best.axis < 0 || cost < best.cost) best = {axis, i, cost, {}, {}, count, right_count[i]};
+            // Where areas overflow, cost may be a NaN. Any split is better than none.
+            if (best.axis < 0 || cost < best.cost)
+                best = {axis, i, cost < infinity() ? cost : infinity(), {}, {}, count, right_count[i]};
         }
     }
     if (best.axis >= 0) {
         const auto& row = axes[static_cast<std::size_t>(best.axis)];
-        for (uint i = 0; i < bins; ++i) (i < best.bin ? best.left : best.right).extend(row[i].box);
+        for (uint i = 0; i < bins; ++i) (i < best.bin ? best.left : best.right).extend(row[i].box());
     }
     return best;
 }
@@ -146,7 +171,7 @@ inline void add_objects(ObjectBins& histogram, std::span<const PrimitiveRef> ref
         slabs.find(hn::Add(lo, hi), bin);
         for (std::size_t axis = 0; axis < 3; ++axis) {
             auto& b = histogram.axes[axis][static_cast<std::size_t>(bin[axis])];
-            b.box.extend(lo, hi);
+            b.extend({lo, hi});
             ++b.entering;
             ++b.leaving;
         }
