@@ -94,6 +94,9 @@ static void add_technique_options(Options& options, RenderJob& job)
                   });
     options.value("--accel", "NAME", "Structure that finds hits; `snell list` names all",
                   [&](const std::string& text) { settings.accel = text; });
+    options.value("--accel-cache", "DIR",
+                  "Keep trees there for the next time; up to 4 GiB, the least recently used go first",
+                  [&](const std::string& text) { settings.accel_options.cache = text; });
     options.value("--triangle-test", "NAME", "watertight or moller-trumbore [watertight]",
                   [&](const std::string& text) {
                       static const std::vector<std::string> names = {"watertight", "moller-trumbore"};

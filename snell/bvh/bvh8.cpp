@@ -38,13 +38,19 @@ class Bvh8 : public Accel
     Bvh8(const PackedScene& packed, const AccelOptions& chosen, bool one_by_one)
         : scene(packed), options(chosen), single(one_by_one)
     {
-        build();
+        // What moves is built for one frame, and so not kept.
+        TreeCache cache;
+        cache.folder = options.cache;
+        build(cache);
     }
 
-    void build()
+    void build(const TreeCache& cache)
     {
+        CacheUse use;
         const auto start = std::chrono::steady_clock::now();
-        bvh = build_wide(scene, options.build);
+        bvh = build_wide(scene, options.build, cache, &use);
+        stats.loaded = use.loaded;
+        stats.refused = use.refused;
         stats.build_seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
         stats.bytes = bvh.bytes();
         stats.nodes = bvh.nodes.size();
@@ -58,7 +64,7 @@ class Bvh8 : public Accel
 
     void update(const PackedChanges& changes) override
     {
-        if (changes.any()) build();
+        if (changes.any()) build({});
     }
 
     void intersect(std::span<const Ray> rays, std::span<Hit> hits) const override

@@ -225,17 +225,17 @@ WideBvh make_wide(const PackedScene& scene, const BinaryTree& world, std::span<c
     return wide;
 }
 
-WideBvh build_wide(const PackedScene& scene, const BuildOptions& options)
+WideBvh build_wide(const PackedScene& scene, const BuildOptions& options, const TreeCache& cache, CacheUse* use)
 {
     std::vector<BinaryTree> groups;
     std::vector<Box> boxes;
     for (const PackedGroup& group : scene.groups) {
-        groups.push_back(build_tree(scene, collect_primitives(scene, group), options));
+        groups.push_back(build_cached(scene, collect_primitives(scene, group), options, cache, use));
         boxes.push_back(groups.back().nodes.empty() ? Box() : groups.back().nodes[0].box);
     }
     std::vector<PrimitiveRef> refs = collect_primitives(scene, scene.world);
     collect_instances(scene, boxes, refs);
-    return make_wide(scene, build_tree(scene, std::move(refs), options), groups);
+    return make_wide(scene, build_cached(scene, std::move(refs), options, cache, use), groups);
 }
 
 } // namespace snell

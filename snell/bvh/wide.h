@@ -3,6 +3,7 @@
 
 #include "snell/bvh/big_pages.h"
 #include "snell/bvh/build.h"
+#include "snell/bvh/cache.h"
 #include "snell/scene/packed.h"
 
 #include <span>
@@ -73,7 +74,8 @@ struct WideBvh
 // Trees by group and the world's, whose leaves may be instances.
 WideBvh make_wide(const PackedScene& scene, const BinaryTree& world, std::span<const BinaryTree> groups);
 
-// Collects, builds and converts all of a scene.
-WideBvh build_wide(const PackedScene& scene, const BuildOptions& options = {});
+// Collects, builds and converts all of a scene; trees that the cache has are not built.
+WideBvh build_wide(const PackedScene& scene, const BuildOptions& options = {}, const TreeCache& cache = {},
+                   CacheUse* use = nullptr);
 
 } // namespace snell
