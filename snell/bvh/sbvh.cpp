@@ -174,7 +174,7 @@ class Builder
     {
         if (depth < halving_depth) {
             const Slabs by_centre(set.extents.centre.box(),
-                                  static_cast<uint>(std::min<std::size_t>(object_bins, 4 + set.count / 2)));
+                                  static_cast<uint>(std::min<std::size_t>(object_bins, 8 + set.count / 8)));
             const Split object = object_split(set, by_centre);
             if (try_spatial(set, object)) {
                 Slabs slabs(set.extents.box.box(), spatial_bins);
