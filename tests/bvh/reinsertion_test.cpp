@@ -464,9 +464,6 @@ TEST(Reinsertion, NoRoundsNoChange)
     BinaryTree after = before;
     optimise_by_reinsertion(after, 0);
     EXPECT_TRUE(same_bytes(before.nodes, after.nodes));
-    BinaryTree empty;
-    optimise_by_reinsertion(empty, 3);
-    EXPECT_TRUE(empty.nodes.empty());
 }
 
 // A chain as deep as trees may be, of boxes that all overlap: searches are long, and trees grow deeper at first.
