@@ -8,6 +8,7 @@
 #include "scene_choice.h"
 #include "usage.h"
 
+#include "snell/bvh/cache.h"
 #include "snell/core/error.h"
 #include "snell/core/parallel.h"
 #include "snell/lab/accel_figures.h"
@@ -105,6 +106,11 @@ static int run_bench_path(const Arguments& arguments)
                   [&](const std::string& text) { job.runs = whole_number("--runs", text, 1, 1000); });
     options.value("--accel", "NAME", "Acceleration structure of ours",
                   [&](const std::string& text) { job.settings.accel = text; });
+    options.value("--accel-cache", "DIR", "Keep our trees there; then their build time is that of loading them",
+                  [&](const std::string& text) {
+                      check_cache_folder(text);
+                      job.settings.accel_options.cache = text;
+                  });
     options.value("-t,--threads", "N", "Threads; 0: all",
                   [&](const std::string& text) { job.settings.threads = whole_number("--threads", text, 0, 4096); });
     options.value("--json", "FILE", "Write the figures there as well",

@@ -166,6 +166,8 @@ static std::optional<int> read_options(const Arguments& arguments, AccelBench& b
     options.flag("--no-packets", "Leave Embree's packets out", [&] { bench.trace.packets = false; });
     options.flag("--one-thread", "Leave the runs on all threads out", [&] { bench.trace.all_threads = false; });
     options.flag("--robust", "Embree in its watertight mode", [&] { bench.trace.robust = true; });
+    options.flag("--falsify", "Spoil a few answers of all structures but the first: then the run must fail",
+                 [&] { bench.trace.falsify = true; });
     options.group("Results");
     options.value("--json", "FILE", "Write the figures there as well",
                   [&](const std::string& text) { bench.json_file = text; });
@@ -238,6 +240,9 @@ int run_bench_accel(const Arguments& arguments)
         bench.trace.build_budget = 1.5;
     }
     set_thread_count(bench.threads);
+    // Before minutes of measuring, not after.
+    if (!bench.json_file.empty()) write_text(bench.json_file, "", "--json");
+    if (!bench.html_file.empty()) write_text(bench.html_file, "", "--html");
     bench.trace.ours = structures_of(bench);
 
     AccelResults results;

@@ -76,10 +76,11 @@ static void add_table(HtmlReport& report, const AccelScene& scene)
     report.table(header, rows);
 }
 
-// Only single rays and packets of 16 of Embree's, lest there be more bars than eyes can follow.
-static bool is_charted(const AccelRow& row)
+// Of ours those of the first one's builder, of Embree's single rays and packets of 16: lest there be more bars than
+// eyes can follow.
+static bool is_charted(const AccelScene& scene, const AccelRow& row)
 {
-    return row.is_ours() || row.packet != 8;
+    return row.is_ours() ? row.builder == scene.rows[0].builder : row.packet != 8;
 }
 
 static void add_bars(HtmlReport& report, const AccelScene& scene)
@@ -89,7 +90,7 @@ static void add_bars(HtmlReport& report, const AccelScene& scene)
     for (const auto& [set, rays] : scene.sets) chart.groups.push_back(set);
     int color = 0;
     for (const AccelRow& row : scene.rows) {
-        if (!is_charted(row)) continue;
+        if (!is_charted(scene, row)) continue;
         BarChart::Series series{row.name, {}, color++};
         for (const auto& [set, rays] : scene.sets) {
             const auto found = row.traces.find(set);

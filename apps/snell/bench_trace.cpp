@@ -110,7 +110,31 @@ static Spent run_once(std::size_t rays, bool all_threads, const Trace& trace)
     return {1e-9 * static_cast<double>(nanoseconds), timer.seconds()};
 }
 
-static Lane our_lane(const Structure& structure, const RaySet& set, Answers& reference, Answers& own)
+// Makes the first `count` answers wrong.
+static void falsify(const RaySet& set, Answers& answers, std::size_t count)
+{
+    for (std::size_t i = 0; i < std::min(count, set.rays.size()); ++i) {
+        if (set.any_hit)
+            answers.blocked[i] ^= 1;
+        else
+            answers.hits[i] = is_hit(answers.hits[i]) ? miss(set.rays[i].t_max) : Hit{1.0f, 0.0f, 0.0f, 0, none};
+    }
+}
+
+// The first answers to come here are those that all others are compared with: bit for bit, or but for rounding.
+static Disagreement check_answers(const RaySet& set, Answers& reference, const Answers& answers, bool exactly,
+                                  double radius)
+{
+    if (!reference.known) {
+        reference = answers;
+        reference.known = true;
+    }
+    if (set.any_hit) return compare_blocked(set.rays, reference.blocked, answers.blocked);
+    return exactly ? compare_hits(set.rays, reference.hits, answers.hits)
+                   : compare_hits_nearly(set.rays, reference.hits, answers.hits, 1e-4, 1e-5 * radius);
+}
+
+static Lane our_lane(const Structure& structure, const RaySet& set, Answers& reference, Answers& own, bool lie)
 {
     Lane lane;
     lane.row = structure.rows[0];
@@ -128,20 +152,16 @@ static Lane our_lane(const Structure& structure, const RaySet& set, Answers& ref
                             std::span(own.hits).subspan(begin, end - begin));
         };
     }
-    lane.check = [&set, &reference, &own]() -> Disagreement {
-        if (!reference.known) {
-            reference = own;
-            reference.known = true;
-        }
-        return set.any_hit ? compare_blocked(set.rays, reference.blocked, own.blocked)
-                           : compare_hits(set.rays, reference.hits, own.hits);
+    lane.check = [&set, &reference, &own, lie] {
+        if (lie && reference.known) falsify(set, own, 1);
+        return check_answers(set, reference, own, true, 0);
     };
     return lane;
 }
 
 #ifdef SNELL_HAS_EMBREE
 static Lane embree_lane(const Structure& structure, std::size_t row, const RaySet& set,
-                        const std::shared_ptr<bench::EmbreeRays>& rays, const Answers& reference, double radius)
+                        const std::shared_ptr<bench::EmbreeRays>& rays, Answers& reference, double radius, bool lie)
 {
     Lane lane;
     lane.row = row;
@@ -150,15 +170,14 @@ static Lane embree_lane(const Structure& structure, std::size_t row, const RaySe
         rays->trace(scene, begin, end);
     };
     lane.reset = [rays] { rays->reset(); };
-    lane.check = [rays, &set, &reference, radius]() -> Disagreement {
-        if (set.any_hit) {
-            std::vector<std::uint8_t> blocked(set.rays.size());
-            rays->blocked(blocked);
-            return compare_blocked(set.rays, reference.blocked, blocked);
-        }
-        std::vector<Hit> hits(set.rays.size());
-        rays->hits(hits);
-        return compare_hits_nearly(set.rays, reference.hits, hits, 1e-4, 1e-5 * radius);
+    lane.check = [rays, &set, &reference, radius, lie, allowed = lane.allowed] {
+        Answers answers;
+        answers.hits.resize(set.any_hit ? 0 : set.rays.size());
+        answers.blocked.resize(set.any_hit ? set.rays.size() : 0);
+        rays->hits(answers.hits);
+        rays->blocked(answers.blocked);
+        if (lie) falsify(set, answers, allowed + 1);
+        return check_answers(set, reference, answers, false, radius);
     };
     return lane;
 }
@@ -332,7 +351,7 @@ void Measurement::trace_set(std::size_t number, std::span<Structure* const> grou
 #endif
     for (Structure* one : group) {
         if (one->accel) {
-            lanes.push_back(our_lane(*one, set, references[number], own));
+            lanes.push_back(our_lane(*one, set, references[number], own, job.falsify));
             continue;
         }
 #ifdef SNELL_HAS_EMBREE
@@ -342,7 +361,8 @@ void Measurement::trace_set(std::size_t number, std::span<Structure* const> grou
             if (width > 1 && set.name.starts_with("bounce")) continue;
             auto& rays = prepared[width];
             if (!rays) rays = std::make_shared<bench::EmbreeRays>(set.rays, width, set.any_hit, set.coherent);
-            lanes.push_back(embree_lane(*one, row, set, rays, references[number], static_cast<double>(scene.radius)));
+            lanes.push_back(
+                embree_lane(*one, row, set, rays, references[number], static_cast<double>(scene.radius), job.falsify));
         }
 #endif
     }

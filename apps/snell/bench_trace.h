@@ -29,6 +29,7 @@ struct TraceJob
     bool robust = false;               // Embree's watertight mode
     bool trace = true;                 // false: build only
     bool all_threads = true;           // measure these too
+    bool falsify = false;              // a few answers of all structures but the first: the cross-check must see that
     int runs = 5;
     std::size_t rays = std::size_t{1} << 20; // of each set
     double build_budget = 4;                 // seconds after which a structure is not built again for its median

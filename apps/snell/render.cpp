@@ -139,6 +139,10 @@ static void say_preparation(const Prepared& prepared)
     if (prepared.updated) return;
     console().detail(fmt::format("packed in {}, built the acceleration structure in {}",
                                  short_time(prepared.pack_seconds), short_time(prepared.build_seconds)));
+    const AccelStats& stats = prepared.accel->stats;
+    if (stats.loaded > 0) console().detail(fmt::format("trees from the cache: {}", stats.loaded));
+    if (stats.refused > 0)
+        console().warning(fmt::format("damaged files in the cache of trees, now replaced: {}", stats.refused));
 }
 
 static int render_still(const RenderJob& job, Scene scene, double load_seconds)

@@ -5,6 +5,8 @@
 #include "render_job.h"
 #include "usage.h"
 
+#include "snell/bvh/cache.h"
+
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -94,6 +96,12 @@ static void add_technique_options(Options& options, RenderJob& job)
                   });
     options.value("--accel", "NAME", "Structure that finds hits; `snell list` names all",
                   [&](const std::string& text) { settings.accel = text; });
+    options.value("--accel-cache", "DIR",
+                  "Keep trees there for the next time; up to 4 GiB, the least recently used go first",
+                  [&](const std::string& text) {
+                      check_cache_folder(text);
+                      settings.accel_options.cache = text;
+                  });
     options.value("--triangle-test", "NAME", "watertight or moller-trumbore [watertight]",
                   [&](const std::string& text) {
                       static const std::vector<std::string> names = {"watertight", "moller-trumbore"};

@@ -54,6 +54,7 @@ struct AccelStats
     std::size_t nodes = 0, leaves = 0;
     double sah_cost = 0;                   // expected cost of a random ray, with node cost 1 and triangle cost 1
     std::size_t refitted = 0, rebuilt = 0; // trees, by the last update; the one over instances not counted
+    std::size_t loaded = 0, refused = 0;   // trees from AccelOptions::cache, and its files that were no good
 };
 
 // Finds hits for batches of rays. Thread-safe after construction; refers to the PackedScene it was built from. A ray

@@ -1,5 +1,6 @@
 #include "snell/bvh/big_pages.h"
 
+#include <cstdint>
 #include <cstdlib>
 #include <new>
 
@@ -25,6 +26,16 @@ void* allocate_big(std::size_t bytes)
 void free_big(void* memory)
 {
     std::free(memory);
+}
+
+void advise_big([[maybe_unused]] void* memory, [[maybe_unused]] std::size_t bytes)
+{
+#ifdef __linux__
+    constexpr std::size_t huge = std::size_t{2} << 20;
+    const auto address = reinterpret_cast<std::uintptr_t>(memory);
+    const std::uintptr_t begin = (address + huge - 1) / huge * huge, end = (address + bytes) / huge * huge;
+    if (begin < end) madvise(reinterpret_cast<void*>(begin), end - begin, MADV_HUGEPAGE); // a hint, too
+#endif
 }
 
 } // namespace snell

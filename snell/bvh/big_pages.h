@@ -12,6 +12,20 @@ namespace snell {
 void* allocate_big(std::size_t bytes);
 void free_big(void* memory);
 
+// Asks for huge pages where memory that nobody has touched yet holds whole ones: one fault instead of 512.
+void advise_big(void* memory, std::size_t bytes);
+
+// A vector of so many elements, each with its first value, in huge pages if it is large.
+template <class T>
+std::vector<T> make_big(std::size_t count)
+{
+    std::vector<T> elements;
+    elements.reserve(count);
+    advise_big(elements.data(), count * sizeof(T));
+    elements.resize(count);
+    return elements;
+}
+
 template <class T>
 struct BigPageAllocator
 {

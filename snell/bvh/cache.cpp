@@ -46,14 +46,6 @@ bool splits_references(const BuildOptions& options)
     return options.builder == "sbvh";
 }
 
-void make_folder(const fs::path& folder)
-{
-    std::error_code error;
-    fs::create_directories(folder, error);
-    if (!fs::is_directory(folder, error))
-        throw Error({folder.string()}, "the folder for trees cannot be made", "choose another for --accel-cache");
-}
-
 struct Kept
 {
     fs::path path;
@@ -96,6 +88,15 @@ void trim_folder(const TreeCache& cache, const fs::path& newest)
 
 } // namespace
 
+void check_cache_folder(const fs::path& folder)
+{
+    std::error_code error;
+    fs::create_directories(folder, error);
+    if (!fs::is_directory(folder, error))
+        throw Error({folder.string()}, "the folder for trees cannot be made", "choose another for --accel-cache");
+    check_can_write(folder / ("probe" + std::string(ending)));
+}
+
 Hash128 tree_key(const PackedScene& scene, std::span<const PrimitiveRef> refs, const BuildOptions& options)
 {
     constexpr std::size_t block = 8192;
@@ -130,8 +131,7 @@ BinaryTree build_cached(const PackedScene& scene, std::vector<PrimitiveRef> refs
     if (known.state != TreeFileState::missing) ++count.refused;
     known = {};
 
-    make_folder(cache.folder);
-    check_can_write(file); // before the work is done
+    check_cache_folder(cache.folder); // before the work is done
     BinaryTree tree = build_tree(scene, refs, options);
     const StoredTree stored = make_stored(tree, refs);
     write_tree_file(file, key, stored);

@@ -33,6 +33,9 @@ struct CacheUse
 // build.h, the format of files, and this build of snell, whose builders may differ from those of another.
 Hash128 tree_key(const PackedScene& scene, std::span<const PrimitiveRef> refs, const BuildOptions& options);
 
+// Makes the folder if it is not there. Throws Error, naming it, unless files can be written there now.
+void check_cache_folder(const std::filesystem::path& folder);
+
 // As build_tree(), through the cache. Throws Error if a tree has to be kept and the folder cannot be written.
 BinaryTree build_cached(const PackedScene& scene, std::vector<PrimitiveRef> refs, const BuildOptions& options,
                         const TreeCache& cache, CacheUse* use = nullptr);

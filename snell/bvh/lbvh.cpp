@@ -135,8 +135,8 @@ class Builder
         for_pieces([&](Part& part) { part.leaves = count_leaves(part.begin, part.end); });
         for (std::size_t i = parts.size(); i-- > 0;)
             if (parts[i].left) parts[i].leaves = parts[parts[i].left].leaves + parts[parts[i].right].leaves;
-        tree.nodes.resize(2 * std::size_t{parts[0].leaves} - 1);
-        tree.order.resize(refs.size());
+        tree.nodes = make_big<BinaryNode>(2 * std::size_t{parts[0].leaves} - 1);
+        tree.order = make_big<BinaryTree::Entry>(refs.size());
         for (Part& part : parts) {
             if (!part.left) continue;
             parts[part.left].at = part.at + 1;

@@ -58,8 +58,8 @@ class Relinker
     {
         summarise_all();
         const Summary& all = summaries[root];
-        tree.nodes.resize(2 * std::size_t{all.leaves} - 1);
-        tree.order.resize(all.entries);
+        tree.nodes = make_big<BinaryNode>(2 * std::size_t{all.leaves} - 1);
+        tree.order = make_big<BinaryTree::Entry>(all.entries);
         emit(root, 0, 0, 0);
         return std::move(tree);
     }

@@ -1,12 +1,11 @@
 // References that are parted by a predicate, from one array into another and back, by one thread or several.
 #pragma once
 
-#include "snell/bvh/big_pages.h"
 #include "snell/bvh/extents.h"
+#include "snell/bvh/scratch.h"
 #include "snell/core/parallel.h"
 
 #include <algorithm>
-#include <memory>
 #include <span>
 #include <vector>
 
@@ -24,9 +23,7 @@ class RefPartition
 {
   public:
     explicit RefPartition(std::vector<PrimitiveRef> primitives)
-        : primitives_(std::move(primitives)),
-          scratch_(static_cast<PrimitiveRef*>(allocate_big(primitives_.size() * sizeof(PrimitiveRef)))),
-          sides_{primitives_.data(), scratch_.get()}
+        : primitives_(std::move(primitives)), scratch_(primitives_.size()), sides_{primitives_.data(), scratch_.data()}
     {
     }
 
@@ -120,13 +117,8 @@ class RefPartition
         std::size_t left = 0; // references on the left; then, where they go
         Extents extents[2];
     };
-    struct Free
-    {
-        void operator()(PrimitiveRef* memory) const { free_big(memory); }
-    };
-
     std::vector<PrimitiveRef> primitives_;
-    std::unique_ptr<PrimitiveRef, Free> scratch_;
+    Scratch<PrimitiveRef> scratch_;
     PrimitiveRef* sides_[2];
 
     static std::size_t chunks_of(const RefPart& part) { return (part.end - part.begin + chunk_size - 1) / chunk_size; }

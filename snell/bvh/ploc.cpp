@@ -16,9 +16,9 @@ namespace snell {
 namespace {
 
 constexpr std::size_t chunk_size = 4096; // of parallel passes
-// Rounds over more clusters than that must merge a sixteenth of them, so that the time stays in proportion. What costs
-// less than a millisecond may take its time.
-constexpr std::size_t few = 1024;
+// Looks at clusters that the rounds may take, in all and a primitive; usually they take 4. What costs less than a
+// millisecond is free.
+constexpr std::size_t free_looks = 1 << 16, looks_per_primitive = 16;
 constexpr std::size_t ahead = 24; // references that are on their way from memory
 constexpr std::uint32_t nothing = ~0u;
 
@@ -90,16 +90,17 @@ class Builder
     BinaryTree run()
     {
         make_leaves();
-        std::size_t count = refs_.size();
+        std::size_t count = refs_.size(), looks = free_looks + looks_per_primitive * refs_.size();
         while (count > 1) {
-            for_chunks(count, [&](std::size_t, std::size_t begin, std::size_t end) {
-                find_neighbours(now_.planes(), begin, end, count, wanted_.data());
-            });
-            Place sum = find_places(count);
-            if (count > few && count - sum.clusters < count / 16) {
+            if (looks >= count) {
+                looks -= count;
+                for_chunks(count, [&](std::size_t, std::size_t begin, std::size_t end) {
+                    find_neighbours(now_.planes(), begin, end, count, wanted_.data());
+                });
+            } else {
                 pair_up(count);
-                sum = find_places(count);
             }
+            const Place sum = find_places(count);
             SNELL_CHECK_LT(sum.clusters, count);
             for_chunks(count, [&](std::size_t chunk, std::size_t begin, std::size_t end) {
                 merge(begin, end, places_[chunk]);
@@ -148,7 +149,7 @@ class Builder
         });
     }
 
-    // Merges neighbours whatever it costs: surfaces that grow along the curve leave one agreeing pair among many.
+    // Merges neighbours whatever it costs: where surfaces grow along the curve, only one pair a round would agree.
     void pair_up(std::size_t count)
     {
         std::fill_n(wanted_.data(), count, 0u); // 0 and 1, 2 and 3 ...

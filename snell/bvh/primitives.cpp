@@ -1,8 +1,10 @@
 #include "snell/bvh/primitives.h"
 
+#include "snell/bvh/big_pages.h"
 #include "snell/core/parallel.h"
 
 #include <algorithm>
+#include <atomic>
 
 namespace snell {
 
@@ -54,13 +56,18 @@ static PrimitiveRef sphere_ref(const PackedScene& scene, std::size_t index)
 std::vector<PrimitiveRef> collect_primitives(const PackedScene& scene, const PackedGroup& group)
 {
     const std::size_t triangles = group.triangle_count;
-    std::vector<PrimitiveRef> refs(triangles + group.sphere_count);
+    auto refs = make_big<PrimitiveRef>(triangles + group.sphere_count);
+    std::atomic<bool> all_bounded = true;
     parallel_ranges(refs.size(), grain, [&](std::size_t begin, std::size_t end) {
-        for (std::size_t i = begin; i < end; ++i)
+        bool bounded = true;
+        for (std::size_t i = begin; i < end; ++i) {
             refs[i] = i < triangles ? triangle_ref(scene, group.first_triangle + i)
                                     : sphere_ref(scene, group.first_sphere + (i - triangles));
+            bounded = bounded && is_bounded(refs[i]);
+        }
+        if (!bounded) all_bounded = false;
     });
-    remove_unbounded(refs);
+    if (!all_bounded) remove_unbounded(refs);
     return refs;
 }
 

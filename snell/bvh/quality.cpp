@@ -1,7 +1,6 @@
 #include "snell/bvh/quality.h"
 
 #include "snell/bvh/build.h"
-#include "snell/core/error.h"
 #include "snell/core/parallel.h"
 
 #include <glm/vector_relational.hpp>

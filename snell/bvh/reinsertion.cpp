@@ -1,7 +1,6 @@
 #include "snell/bvh/big_pages.h"
 #include "snell/bvh/build.h"
 #include "snell/bvh/linked_tree.h"
-#include "snell/core/error.h"
 #include "snell/core/parallel.h"
 #include "snell/kernel/lang.h"
 
@@ -9,7 +8,6 @@
 
 #include <algorithm>
 #include <bit>
-#include <cmath>
 #include <functional>
 
 namespace snell {

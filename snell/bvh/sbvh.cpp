@@ -6,8 +6,7 @@
 // be divided afterwards. A set never holds two references to one primitive: the parts of a cut go to different sides.
 #include "snell/bvh/big_pages.h"
 #include "snell/bvh/build.h"
-#include "snell/bvh/clip.h"
-#include "snell/bvh/sbvh_bins.h"
+#include "snell/bvh/sbvh_sides.h"
 #include "snell/core/error.h"
 #include "snell/core/parallel.h"
 
@@ -29,7 +28,8 @@ constexpr double overlap_of_root = 1e-5, overlap_of_large = 0.03, overlap_of_sma
 constexpr std::size_t least_count = 17;
 
 // Of large sets only so many references are chopped at first. Most attempts end there: a part of the references has
-// smaller boxes than all, so if it costs too much, they do. Otherwise it names the axis.
+// smaller boxes than all, so if it costs too much, they do. Otherwise it names the axis. More than that a sample may
+// not decide: the few large triangles that it misses are what matters.
 constexpr std::size_t sample_size = 1024, large_count = 4 * sample_size;
 
 // References in one of the arrays.
@@ -38,152 +38,10 @@ struct Set
     const PrimitiveRef* refs;
     std::size_t count, budget; // budget: how many more they may become
     std::size_t place;         // where the set's region of count + budget begins
-    Extents extents;
+    WeighedExtents extents;
+
+    std::span<const PrimitiveRef> all() const { return {refs, count}; }
 };
-
-enum class Side
-{
-    left,
-    right,
-    both
-};
-
-struct ByNumber
-{
-    std::size_t left_count;
-    bool operator()(const PrimitiveRef&, std::size_t number) const { return number < left_count; }
-};
-
-struct ByCentre
-{
-    const Slabs& slabs;
-    const Split& split;
-    bool operator()(const PrimitiveRef& ref, std::size_t) const
-    {
-        alignas(16) std::int32_t bin[4];
-        slabs.find(hn::Add(load3(ref.lower), load3(ref.upper)), bin);
-        return bin[split.axis] < static_cast<std::int32_t>(split.bin);
-    }
-};
-
-// Cuts triangles at a plane, or leaves them whole where that is cheaper.
-class ByPlane
-{
-  public:
-    ByPlane(const PackedScene& packed, const Split& best, float where)
-        : scene(packed), split(best), plane(where), left_area(split.left.half_area()),
-          right_area(split.right.half_area()), left_count(static_cast<float>(split.left_count)),
-          right_count(static_cast<float>(split.right_count))
-    {
-    }
-
-    // left and right are the reference's parts, where they are on that side.
-    Side operator()(const PrimitiveRef& ref, PrimitiveRef& left, PrimitiveRef& right) const
-    {
-        left = right = ref;
-        const int axis = split.axis;
-        if (ref.upper[axis] <= plane) return Side::left;
-        if (ref.lower[axis] >= plane) return Side::right;
-        if (ref.kind != RefKind::triangle)
-            return 0.5f * ref.lower[axis] + 0.5f * ref.upper[axis] < plane ? Side::left : Side::right;
-
-        // Reference unsplitting. By what the bins said of the sides, whatever becomes of other references, so that
-        // their order does not matter.
-        const Vec lo = load3(ref.lower), hi = load3(ref.upper);
-        WideBox with_left = split.left, with_right = split.right;
-        with_left.extend(lo, hi);
-        with_right.extend(lo, hi);
-        const float both = left_area * left_count + right_area * right_count;
-        const float only_left = with_left.half_area() * left_count + right_area * (right_count - 1.0f);
-        const float only_right = left_area * (left_count - 1.0f) + with_right.half_area() * right_count;
-        if (std::min(only_left, only_right) < both) return only_left <= only_right ? Side::left : Side::right;
-
-        const Triangle& tri = scene.triangles[ref.index];
-        const vec3 v[3] = {scene.positions[tri.v0], scene.positions[tri.v1], scene.positions[tri.v2]};
-        const CutBoxes cut = cut_triangle(v, axis, plane);
-        const Box whole = {ref.lower, ref.upper};
-        const Box below = intersection(cut.below, whole), above = intersection(cut.above, whole);
-        // Where earlier cuts have left nothing of one part, the other is all there is.
-        if (above.empty()) return Side::left;
-        if (below.empty()) return Side::right;
-        left.lower = below.lower, left.upper = below.upper;
-        right.lower = above.lower, right.upper = above.upper;
-        return Side::both;
-    }
-
-  private:
-    const PackedScene& scene;
-    const Split& split;
-    float plane, left_area, right_area, left_count, right_count;
-};
-
-// Both ends of a region that is being filled.
-struct Ends
-{
-    PrimitiveRef* left;  // where the next one goes
-    PrimitiveRef* right; // one past where the next one goes
-    Extents left_extents, right_extents;
-};
-
-constexpr std::size_t block_size = 256; // so few that they are still in the first-level cache for the extents
-
-// Writes the references to either end. numbers of the references in their set begin at `first`.
-template <class IsLeft>
-bool write_sides(std::span<const PrimitiveRef> refs, std::size_t first, const IsLeft& is_left, Ends& ends)
-{
-    for (std::size_t i = 0; i < refs.size();) {
-        const PrimitiveRef *left = ends.left, *right = ends.right;
-        for (const std::size_t stop = std::min(i + block_size, refs.size()); i < stop; ++i) {
-            // No branch: which side it is nobody can foresee.
-            const std::ptrdiff_t is = is_left(refs[i], first + i) ? 1 : 0;
-            PrimitiveRef* const to[2] = {ends.right - 1, ends.left};
-            *to[is] = refs[i];
-            ends.left += is;
-            ends.right -= 1 - is;
-        }
-        for (; left < ends.left; ++left) ends.left_extents.extend(*left);
-        for (; right > ends.right; --right) ends.right_extents.extend(right[-1]);
-    }
-    return true;
-}
-
-// The same with cuts. False if the ends would cross.
-bool write_sides(std::span<const PrimitiveRef> refs, std::size_t, const ByPlane& side_of, Ends& ends)
-{
-    PrimitiveRef left, right;
-    for (const PrimitiveRef& ref : refs) {
-        const Side side = side_of(ref, left, right);
-        if (ends.right - ends.left < (side == Side::both ? 2 : 1)) return false;
-        if (side != Side::right) *ends.left++ = left, ends.left_extents.extend(left);
-        if (side != Side::left) *--ends.right = right, ends.right_extents.extend(right);
-    }
-    return true;
-}
-
-struct Counts
-{
-    std::size_t left = 0, right = 0;
-};
-
-template <class IsLeft>
-Counts count_sides(std::span<const PrimitiveRef> refs, std::size_t first, const IsLeft& is_left)
-{
-    std::size_t left = 0;
-    for (std::size_t i = 0; i < refs.size(); ++i) left += is_left(refs[i], first + i) ? 1 : 0;
-    return {left, refs.size() - left};
-}
-
-Counts count_sides(std::span<const PrimitiveRef> refs, std::size_t, const ByPlane& side_of)
-{
-    Counts counts;
-    PrimitiveRef left, right;
-    for (const PrimitiveRef& ref : refs) {
-        const Side side = side_of(ref, left, right);
-        counts.left += side != Side::right;
-        counts.right += side != Side::left;
-    }
-    return counts;
-}
 
 // Part of the tree: an inner node over two pieces, or nodes and entries in final order with links that count from their
 // own first ones.
@@ -247,11 +105,11 @@ class Builder
         });
     }
 
-    static Extents extents_of(const Set& set)
+    static WeighedExtents extents_of(const Set& set)
     {
-        std::vector<Extents> parts((set.count + chunk_size - 1) / chunk_size);
+        std::vector<WeighedExtents> parts((set.count + chunk_size - 1) / chunk_size);
         parallel_for(parts.size(), [&](std::size_t chunk) {
-            Extents part;
+            WeighedExtents part;
             const std::size_t first = chunk * chunk_size;
             for (const PrimitiveRef& ref : std::span(set.refs + first, std::min(chunk_size, set.count - first)))
                 part.extend(ref);
@@ -267,7 +125,7 @@ class Builder
     {
         Bins bins(slabs.bins);
         if (chunks(set.count) == 1) {
-            fill(bins, std::span(set.refs, set.count));
+            fill(bins, set.all());
         } else {
             std::vector<Bins> parts(chunks(set.count), bins);
             for_chunks(set, [&](std::size_t chunk, std::size_t, std::span<const PrimitiveRef> refs) {
@@ -276,6 +134,30 @@ class Builder
             for (const Bins& part : parts) bins.add(part);
         }
         return bins.best(slabs.possible);
+    }
+
+    static Split object_split(const Set& set, const Slabs& slabs)
+    {
+        return best_split<ObjectBins>(
+            set, slabs, [&](ObjectBins& bins, std::span<const PrimitiveRef> refs) { add_objects(bins, refs, slabs); });
+    }
+
+    // The best spatial split, if it costs less than `most`; else its axis is -1.
+    Split spatial_split(const Set& set, Slabs& slabs, float most) const
+    {
+        if (set.count >= large_count) {
+            const std::size_t stride = set.count / sample_size;
+            SpatialBins bins(slabs.bins);
+            add_chopped(bins, scene, set.all(), slabs, stride);
+            const Split sampled = bins.best(slabs.possible);
+            if (!(static_cast<float>(stride) * sampled.cost < most)) return {};
+            for (int axis = 0; axis < 3; ++axis) slabs.possible[axis] = axis == sampled.axis;
+        }
+        const Split split =
+            best_split<SpatialBins>(set, slabs, [&](SpatialBins& bins, std::span<const PrimitiveRef> refs) {
+                add_chopped(bins, scene, refs, slabs);
+            });
+        return split.cost < most ? split : Split();
     }
 
     bool try_spatial(const Set& set, const Split& object) const
@@ -287,38 +169,19 @@ class Builder
         return overlap > least_overlap && overlap > part * set.extents.box.box().half_area();
     }
 
-    // What the best spatial split costs at least. Leaves only the axis of that one possible.
-    float sampled_cost(const Set& set, Slabs& slabs) const
-    {
-        SpatialBins bins(slabs.bins);
-        const std::size_t stride = set.count / sample_size;
-        add_chopped(bins, scene, std::span(set.refs, set.count), slabs, stride);
-        const Split best = bins.best(slabs.possible);
-        for (int axis = 0; axis < 3; ++axis) slabs.possible[axis] = axis == best.axis;
-        return static_cast<float>(stride) * best.cost;
-    }
-
     // Divides a set of at least two: both sides get at least one reference, and what is left of the budget.
     void divide(const Set& set, int depth, Set& left, Set& right) const
     {
         if (depth < halving_depth) {
-            const Slabs by_centre(set.extents.centroid.box(),
-                                  static_cast<uint>(std::min<std::size_t>(object_bins, 4 + set.count / 2)));
-            const Split object =
-                best_split<ObjectBins>(set, by_centre, [&](ObjectBins& bins, std::span<const PrimitiveRef> refs) {
-                    add_objects(bins, refs, by_centre);
-                });
+            const Slabs by_centre(set.extents.centre.box(),
+                                  static_cast<uint>(std::min<std::size_t>(object_bins, 8 + set.count / 8)));
+            const Split object = object_split(set, by_centre);
             if (try_spatial(set, object)) {
                 Slabs slabs(set.extents.box.box(), spatial_bins);
-                if (set.count < large_count || sampled_cost(set, slabs) < object.cost) {
-                    const Split split =
-                        best_split<SpatialBins>(set, slabs, [&](SpatialBins& bins, std::span<const PrimitiveRef> refs) {
-                            add_chopped(bins, scene, refs, slabs);
-                        });
-                    if (split.axis >= 0 && split.cost < object.cost &&
-                        divide_by(ByPlane(scene, split, slabs.plane(split.axis, split.bin)), set, depth, left, right))
-                        return;
-                }
+                const Split split = spatial_split(set, slabs, object.cost);
+                if (split.axis >= 0 &&
+                    divide_by(ByPlane(scene, split, slabs.plane(split.axis, split.bin)), set, depth, left, right))
+                    return;
             }
             if (object.axis >= 0 && divide_by(ByCentre{by_centre, object}, set, depth, left, right)) return;
         }
@@ -334,7 +197,7 @@ class Builder
         const std::size_t room = set.count + set.budget;
         Ends all{region, region + room, {}, {}};
         if (chunks(set.count) == 1) {
-            if (!write_sides(std::span(set.refs, set.count), 0, side_of, all)) return false;
+            if (!write_sides(set.all(), 0, side_of, all)) return false;
         } else if (!write_chunks(side_of, set, all)) {
             return false;
         }
@@ -417,7 +280,7 @@ class Builder
         if (is_leaf(set)) {
             piece.nodes.push_back(
                 {set.extents.box.box(), static_cast<uint>(piece.order.size()), static_cast<uint>(set.count)});
-            for (const PrimitiveRef& ref : std::span(set.refs, set.count)) piece.order.push_back({ref.index, ref.kind});
+            for (const PrimitiveRef& ref : set.all()) piece.order.push_back({ref.index, ref.kind});
             return set.budget;
         }
         piece.nodes.push_back({set.extents.box.box(), 0, 0});

@@ -24,9 +24,9 @@ struct Points
 // not be foreseen.
 struct Sweep
 {
-    Vec low, middle, high;
+    Vec4 low, middle, high;
     float x[3], longest, shorter[2]; // places on the axis; reciprocals of the edges' extents
-    Vec edge, parts[2], from[2];     // low to high; low to middle and middle to high, and where these begin
+    Vec4 edge, parts[2], from[2];    // low to high; low to middle and middle to high, and where these begin
 
     Sweep(const Points& points, int axis)
     {
@@ -35,9 +35,9 @@ struct Sweep
         a = y[2] < y[a] ? 2 : a;
         c = y[2] >= y[c] ? 2 : c;
         const int b = 3 - a - c;
-        low = hn::Load(Lanes(), points.at[a]);
-        middle = hn::Load(Lanes(), points.at[b]);
-        high = hn::Load(Lanes(), points.at[c]);
+        low = hn::Load(Lanes4(), points.at[a]);
+        middle = hn::Load(Lanes4(), points.at[b]);
+        high = hn::Load(Lanes4(), points.at[c]);
         x[0] = y[a], x[1] = y[b], x[2] = y[c];
         longest = 1.0f / (x[2] - x[0]);
         shorter[0] = 1.0f / (x[1] - x[0]);
@@ -48,16 +48,16 @@ struct Sweep
         from[0] = low, from[1] = middle;
     }
     // An edge without extent gives its beginning: the NaN that 0 / 0 is does not survive max().
-    static Vec point(Vec begin, Vec along, float t)
+    static Vec4 point(Vec4 begin, Vec4 along, float t)
     {
-        return hn::MulAdd(along, hn::Set(Lanes(), std::min(std::max(0.0f, t), 1.0f)), begin);
+        return hn::MulAdd(along, hn::Set(Lanes4(), std::min(std::max(0.0f, t), 1.0f)), begin);
     }
     // What lies in the plane.
     WideBox at(float plane) const
     {
         const int part = plane < x[1] ? 0 : 1;
-        const Vec p = point(low, edge, (plane - x[0]) * longest);
-        const Vec q = point(from[part], parts[part], (plane - x[part]) * shorter[part]);
+        const Vec4 p = point(low, edge, (plane - x[0]) * longest);
+        const Vec4 q = point(from[part], parts[part], (plane - x[part]) * shorter[part]);
         return {hn::Min(p, q), hn::Max(p, q)};
     }
 };
@@ -66,7 +66,7 @@ void chop(SpatialBins& histogram, const Slabs& slabs, const Sweep& sweep, int ax
           uint end)
 {
     auto& row = histogram.axes[static_cast<std::size_t>(axis)];
-    const Vec lo = load3(ref.lower), hi = load3(ref.upper);
+    const Vec4 lo = load3(ref.lower), hi = load3(ref.upper);
     float plane = ref.lower[axis];
     WideBox section = {sweep.low, sweep.low};
     if (plane > sweep.x[0]) section = sweep.at(plane); // was cut before
@@ -78,7 +78,7 @@ void chop(SpatialBins& histogram, const Slabs& slabs, const Sweep& sweep, int ax
         if (sweep.x[1] >= plane && sweep.x[1] <= next) part.extend(sweep.middle, sweep.middle);
         // An earlier cut may have taken all of this slab's part: then lower exceeds upper.
         part = {hn::Max(part.lower, lo), hn::Min(part.upper, hi)};
-        if (hn::AllTrue(Lanes(), hn::Le(part.lower, part.upper))) row[bin].box.extend(part);
+        if (hn::AllTrue(Lanes4(), hn::Le(part.lower, part.upper))) row[bin].extend(part);
         section = next_section;
         plane = next;
     }
@@ -92,12 +92,12 @@ void add_chopped(SpatialBins& histogram, const PackedScene& scene, std::span<con
     for (std::size_t number = 0; number < refs.size(); number += stride) {
         const PrimitiveRef& ref = refs[number];
         alignas(16) std::int32_t first[4], last[4];
-        const Vec lo = load3(ref.lower), hi = load3(ref.upper);
+        const Vec4 lo = load3(ref.lower), hi = load3(ref.upper);
         if (ref.kind == RefKind::triangle) {
             slabs.find(lo, first);
             slabs.find(hi, last);
         } else { // goes to one side as a whole, so it counts where its centre is
-            slabs.find(hn::Mul(hn::Add(lo, hi), hn::Set(Lanes(), 0.5f)), first);
+            slabs.find(hn::Mul(hn::Add(lo, hi), hn::Set(Lanes4(), 0.5f)), first);
             std::copy_n(first, 4, last);
         }
         std::optional<Points> points;
@@ -108,7 +108,7 @@ void add_chopped(SpatialBins& histogram, const PackedScene& scene, std::span<con
             ++row[begin].entering;
             ++row[end].leaving;
             if (begin == end) {
-                row[begin].box.extend(lo, hi);
+                row[begin].extend({lo, hi});
             } else {
                 if (!points) points.emplace(scene, ref.index);
                 chop(histogram, slabs, Sweep(*points, axis), axis, ref, begin, end);

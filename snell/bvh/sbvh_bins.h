@@ -1,11 +1,9 @@
 // What object and spatial splits of a set of references would cost, estimated over bins. For sbvh.cpp.
 #pragma once
 
-#include "snell/bvh/tree.h"
+#include "snell/bvh/extents.h"
 #include "snell/kernel/lang.h"
 #include "snell/scene/packed.h"
-
-#include <hwy/highway.h>
 
 #include <algorithm>
 #include <array>
@@ -13,66 +11,16 @@
 
 namespace snell::sbvh {
 
-namespace hn = hwy::HWY_NAMESPACE;
-using Lanes = hn::FixedTag<float, 4>;
-using Vec = hn::Vec<Lanes>;
-
 inline constexpr uint object_bins = 32;
 inline constexpr uint spatial_bins = 16;
 
-// The fourth lane of a reference's half is an integer in disguise; it becomes 0, so that no arithmetic meets a denormal
-// or a NaN.
-inline Vec load3(const vec3& v)
+// Half the surface of a box that is not empty; infinite for an overflow, which only makes a split unattractive.
+inline float half_area(const WideBox& box)
 {
-    alignas(16) static constexpr uint mask[4] = {~0u, ~0u, ~0u, 0u};
-    const hn::RebindToUnsigned<Lanes> du;
-    return hn::And(hn::Load(Lanes(), &v.x), hn::BitCast(Lanes(), hn::Load(du, mask)));
+    alignas(16) float x[4];
+    hn::Store(hn::Sub(box.upper, box.lower), Lanes4(), x);
+    return x[0] * x[1] + x[1] * x[2] + x[2] * x[0];
 }
-
-// A box in registers; the fourth lane means nothing.
-struct WideBox
-{
-    Vec lower = hn::Set(Lanes(), std::numeric_limits<float>::infinity());
-    Vec upper = hn::Set(Lanes(), -std::numeric_limits<float>::infinity());
-
-    void extend(Vec lo, Vec hi) { lower = hn::Min(lower, lo), upper = hn::Max(upper, hi); }
-    void extend(const WideBox& b) { extend(b.lower, b.upper); }
-    Box box() const
-    {
-        alignas(16) float lo[4], hi[4];
-        hn::Store(lower, Lanes(), lo);
-        hn::Store(upper, Lanes(), hi);
-        return {vec3(lo[0], lo[1], lo[2]), vec3(hi[0], hi[1], hi[2])};
-    }
-    // Half the surface of a box that is not empty; infinite for an overflow, which only makes a split unattractive.
-    float half_area() const
-    {
-        alignas(16) float x[4];
-        hn::Store(hn::Sub(upper, lower), Lanes(), x);
-        return x[0] * x[1] + x[1] * x[2] + x[2] * x[0];
-    }
-};
-
-struct Extents
-{
-    WideBox box;       // of the references
-    WideBox centroid;  // of twice their centres
-    double weight = 0; // of their surfaces together
-
-    void extend(const PrimitiveRef& ref)
-    {
-        const Vec lo = load3(ref.lower), hi = load3(ref.upper), c = hn::Add(lo, hi);
-        box.extend(lo, hi);
-        centroid.extend(c, c);
-        weight += double(WideBox{lo, hi}.half_area());
-    }
-    void extend(const Extents& e)
-    {
-        box.extend(e.box);
-        centroid.extend(e.centroid);
-        weight += e.weight;
-    }
-};
 
 inline float blocks(uint count)
 {
@@ -82,7 +30,7 @@ inline float blocks(uint count)
 // Cuts each axis of a box into equal slabs.
 struct Slabs
 {
-    Vec origin, scale;
+    Vec4 origin, scale;
     float start[3], width[3]; // of one slab
     uint bins;
     bool possible[3] = {};
@@ -98,13 +46,13 @@ struct Slabs
             possible[axis] = extent > 0.0f && is_finite(extent) && is_finite(s[axis]);
             if (!possible[axis]) s[axis] = 0.0f;
         }
-        origin = hn::Load(Lanes(), o);
-        scale = hn::Load(Lanes(), s);
+        origin = hn::Load(Lanes4(), o);
+        scale = hn::Load(Lanes4(), s);
     }
     // Slabs of a point on the three axes; the fourth number means nothing.
-    void find(Vec point, std::int32_t (&slab)[4]) const
+    void find(Vec4 point, std::int32_t (&slab)[4]) const
     {
-        const hn::RebindToSigned<Lanes> di;
+        const hn::RebindToSigned<Lanes4> di;
         const auto index = hn::ConvertTo(di, hn::Mul(hn::Sub(point, origin), scale));
         const auto top = hn::Set(di, static_cast<std::int32_t>(bins) - 1);
         hn::Store(hn::Max(hn::Min(index, top), hn::Zero(di)), di, slab);
@@ -123,29 +71,52 @@ struct Split
     uint left_count = 0, right_count = 0;
 };
 
-// Bins on three axes. `leaving` and `entering` count the references whose last or first bin it is.
+// A box and how many references have it as their first bin, and as their last one. No value until cleared, for there
+// are more of them than small sets need.
+struct alignas(16) Bin
+{
+    float lower[4], upper[4];
+    uint entering, leaving;
+
+    void clear()
+    {
+        store({});
+        entering = leaving = 0;
+    }
+    WideBox box() const { return {hn::Load(Lanes4(), lower), hn::Load(Lanes4(), upper)}; }
+    void extend(const WideBox& other)
+    {
+        WideBox all = box();
+        all.extend(other);
+        store(all);
+    }
+
+  private:
+    void store(const WideBox& box)
+    {
+        hn::Store(box.lower, Lanes4(), lower);
+        hn::Store(box.upper, Lanes4(), upper);
+    }
+};
+
+// Bins on three axes.
 template <uint max_bins>
 struct Histogram
 {
-    struct Bin
-    {
-        WideBox box;
-        uint entering, leaving;
-    };
     std::array<std::array<Bin, max_bins>, 3> axes;
     uint bins;
 
     explicit Histogram(uint count) : bins(count)
     {
         for (auto& axis : axes)
-            for (uint i = 0; i < bins; ++i) axis[i] = {{}, 0, 0};
+            for (uint i = 0; i < bins; ++i) axis[i].clear();
     }
     void add(const Histogram& other)
     {
         for (std::size_t axis = 0; axis < 3; ++axis)
             for (uint i = 0; i < bins; ++i) {
                 Bin& bin = axes[axis][i];
-                bin.box.extend(other.axes[axis][i].box);
+                bin.extend(other.axes[axis][i].box());
                 bin.entering += other.axes[axis][i].entering;
                 bin.leaving += other.axes[axis][i].leaving;
             }
@@ -160,27 +131,31 @@ Split Histogram<max_bins>::best(const bool (&possible)[3]) const
     for (int axis = 0; axis < 3; ++axis) {
         if (!possible[axis]) continue;
         const auto& row = axes[static_cast<std::size_t>(axis)];
-        std::array<WideBox, max_bins> right;
         std::array<float, max_bins> right_cost;
         std::array<uint, max_bins> right_count;
         WideBox box;
         uint count = 0;
         for (uint i = bins - 1; i > 0; --i) {
-            box.extend(row[i].box);
+            box.extend(row[i].box());
             count += row[i].leaving;
-            right[i] = box;
-            right_cost[i] = count > 0 ? box.half_area() * blocks(count) : 0.0f;
+            right_cost[i] = half_area(box) * blocks(count);
             right_count[i] = count;
         }
         box = WideBox();
         count = 0;
         for (uint i = 1; i < bins; ++i) {
-            box.extend(row[i - 1].box);
+            box.extend(row[i - 1].box());
             count += row[i - 1].entering;
             if (count == 0 || right_count[i] == 0) continue;
-            const float cost = box.half_area() * blocks(count) + right_cost[i];
-            if (best.axis < 0 || cost < best.cost) best = {axis, i, cost, box, right[i], count, right_count[i]};
+            const float cost = half_area(box) * blocks(count) + right_cost[i];
+            // Where areas overflow, cost may be a NaN. Any split is better than none.
+            if (best.axis < 0 || cost < best.cost)
+                best = {axis, i, cost < infinity() ? cost : infinity(), {}, {}, count, right_count[i]};
         }
+    }
+    if (best.axis >= 0) {
+        const auto& row = axes[static_cast<std::size_t>(best.axis)];
+        for (uint i = 0; i < bins; ++i) (i < best.bin ? best.left : best.right).extend(row[i].box());
     }
     return best;
 }
@@ -192,19 +167,19 @@ inline void add_objects(ObjectBins& histogram, std::span<const PrimitiveRef> ref
 {
     for (const PrimitiveRef& ref : refs) {
         alignas(16) std::int32_t bin[4];
-        const Vec lo = load3(ref.lower), hi = load3(ref.upper);
+        const Vec4 lo = load3(ref.lower), hi = load3(ref.upper);
         slabs.find(hn::Add(lo, hi), bin);
         for (std::size_t axis = 0; axis < 3; ++axis) {
             auto& b = histogram.axes[axis][static_cast<std::size_t>(bin[axis])];
-            b.box.extend(lo, hi);
+            b.extend({lo, hi});
             ++b.entering;
             ++b.leaving;
         }
     }
 }
 
-// Chops the triangles at the slabs' planes. To within rounding: it is the cut itself that must be exact.
-// Only on axes that are possible. stride: takes every so many of the references.
+// Chops triangles at the slabs' planes, on the axes that are possible; one of every `stride` references. To within
+// rounding: it is the cut itself that must be exact.
 void add_chopped(SpatialBins& histogram, const PackedScene& scene, std::span<const PrimitiveRef> refs,
                  const Slabs& slabs, std::size_t stride = 1);
 

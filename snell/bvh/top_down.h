@@ -11,6 +11,7 @@
 // differ by at most one. It is called for different parts at the same time.
 #pragma once
 
+#include "snell/bvh/big_pages.h"
 #include "snell/bvh/build.h"
 #include "snell/core/error.h"
 #include "snell/core/parallel.h"
@@ -30,11 +31,11 @@ class TopDown
     {
         if (count == 0) return {};
         SNELL_CHECK_LT(count, std::size_t{1} << 30);
-        tree.order.resize(count);
+        tree.order = make_big<BinaryTree::Entry>(count);
         const std::unique_ptr<Piece> root = build_piece(splitter.whole(), 0);
         std::vector<Place> places;
         const std::size_t size = place(*root, 0, places);
-        tree.nodes.resize(size);
+        tree.nodes = make_big<BinaryNode>(size);
         parallel_for(places.size(), [&](std::size_t i) { copy(places[i]); });
         return std::move(tree);
     }

@@ -300,16 +300,21 @@ WideTree<Node> make_top_tree(const PackedScene& scene, const WideBvh<Node>& bvh,
 }
 
 template <class Node>
-WideBvh<Node> make_wide(const PackedScene& scene, const BuildOptions& options, const TreeCache& cache)
+WideBvh<Node> make_wide(const PackedScene& scene, const BuildOptions& options, const TreeCache& cache, CacheUse* use)
 {
     WideBvh<Node> bvh;
-    const auto build = [&](const PackedGroup& group) {
-        return make_wide_tree<Node>(scene, build_cached(scene, collect_primitives(scene, group), options, cache));
+    const auto build = [&](const PackedGroup& group, CacheUse& its_use) {
+        return make_wide_tree<Node>(scene,
+                                    build_cached(scene, collect_primitives(scene, group), options, cache, &its_use));
     };
-    bvh.world = build(scene.world);
+    std::vector<CacheUse> uses(scene.groups.size() + 1);
+    bvh.world = build(scene.world, uses.back());
     bvh.groups.resize(scene.groups.size());
-    parallel_for(scene.groups.size(), [&](std::size_t i) { bvh.groups[i] = build(scene.groups[i]); });
+    parallel_for(scene.groups.size(), [&](std::size_t i) { bvh.groups[i] = build(scene.groups[i], uses[i]); });
     if (!scene.instances.empty()) bvh.top = make_top_tree(scene, bvh, options);
+    if (use != nullptr)
+        for (const CacheUse& one : uses)
+            use->loaded += one.loaded, use->built += one.built, use->refused += one.refused;
     return bvh;
 }
 
@@ -317,7 +322,7 @@ WideBvh<Node> make_wide(const PackedScene& scene, const BuildOptions& options, c
     template struct WideBvh<Node>;                                                                                     \
     template WideTree<Node> make_wide_tree<Node>(const PackedScene&, const BinaryTree&, std::span<const Below>);       \
     template WideTree<Node> make_top_tree<Node>(const PackedScene&, const WideBvh<Node>&, const BuildOptions&);        \
-    template WideBvh<Node> make_wide<Node>(const PackedScene&, const BuildOptions&, const TreeCache&);
+    template WideBvh<Node> make_wide<Node>(const PackedScene&, const BuildOptions&, const TreeCache&, CacheUse*);
 SNELL_INSTANTIATE(Node2)
 SNELL_INSTANTIATE(Node4)
 SNELL_INSTANTIATE(Node8)

@@ -75,8 +75,9 @@ WideTree<Node> make_wide_tree(const PackedScene& scene, const BinaryTree& tree, 
 template <class Node>
 WideTree<Node> make_top_tree(const PackedScene& scene, const WideBvh<Node>& bvh, const BuildOptions& options);
 
-// Collects, builds and converts all of a scene. Large trees are kept in the cache, if there is one.
+// Collects, builds and converts all of a scene; trees that the cache has are not built.
 template <class Node>
-WideBvh<Node> make_wide(const PackedScene& scene, const BuildOptions& options = {}, const TreeCache& cache = {});
+WideBvh<Node> make_wide(const PackedScene& scene, const BuildOptions& options = {}, const TreeCache& cache = {},
+                        CacheUse* use = nullptr);
 
 } // namespace snell

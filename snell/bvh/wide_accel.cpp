@@ -37,19 +37,14 @@ class WideAccel : public Accel
   public:
     WideAccel(const PackedScene& packed, const AccelOptions& chosen) : scene(packed), options(chosen)
     {
-        const Timer timer;
-        bvh = make_wide<Node>(scene, options.build, {options.cache});
-        settle();
-        stats.build_seconds = timer.seconds();
+        TreeCache cache;
+        cache.folder = options.cache;
+        build(cache);
     }
 
     void update(const PackedChanges& changes) override
     {
-        if (!changes.any()) return;
-        const Timer timer;
-        bvh = make_wide<Node>(scene, options.build, {options.cache});
-        settle();
-        stats.build_seconds = timer.seconds();
+        if (changes.any()) build({}); // what moves is built for one frame, and so not kept
     }
 
     void intersect(std::span<const Ray> rays, std::span<Hit> hits) const override
@@ -101,6 +96,17 @@ class WideAccel : public Accel
     const AccelOptions options;
     WideBvh<Node> bvh;
     TraceInput<Node> input;
+
+    void build(const TreeCache& cache)
+    {
+        const Timer timer;
+        CacheUse use;
+        bvh = make_wide<Node>(scene, options.build, cache, &use);
+        stats.loaded = use.loaded;
+        stats.refused = use.refused;
+        stats.build_seconds = timer.seconds();
+        settle();
+    }
 
     // What follows from the trees.
     void settle()

@@ -102,7 +102,7 @@ std::string text_at(double x, double y, const std::string& text, const char* mor
 
 std::string open_svg(double width, double height, const std::string& title)
 {
-    return fmt::format("<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {:.0f} {:.0f}\" width=\"{:.0f}\" "
+    return fmt::format("<svg viewBox=\"0 0 {:.0f} {:.0f}\" width=\"{:.0f}\" "
                        "font-family=\"sans-serif\" font-size=\"12\" role=\"img\" aria-label=\"{}\">\n",
                        width, height, width, escape_html(title)) +
            text_at(8, 18, title, "font-size=\"14\" font-weight=\"bold\"");
@@ -168,7 +168,10 @@ std::string svg(const PointChart& chart)
             const double x = x_axis.at(vx), y = y_axis.at(vy);
             path += fmt::format("{}{:.1f} {:.1f}", path.empty() ? "M" : "L", x, y);
             out += fmt::format("<circle cx=\"{:.1f}\" cy=\"{:.1f}\" r=\"4\" fill=\"{}\"/>\n", x, y, color);
-            if (i < series.labels.size()) out += text_at(x + 6, y - 5, series.labels[i], "font-size=\"11\"");
+            if (i >= series.labels.size()) continue;
+            const bool at_right = x > 0.7 * (width - right); // the legend is there
+            out += text_at(at_right ? x - 6 : x + 6, y - 5, series.labels[i],
+                           at_right ? "font-size=\"11\" text-anchor=\"end\"" : "font-size=\"11\"");
         }
         if (series.line && !path.empty())
             out += fmt::format("<path d=\"{}\" fill=\"none\" stroke=\"{}\" stroke-width=\"1.5\"/>\n", path, color);

@@ -77,10 +77,15 @@ TEST(TreeFault, ForgeriesAreFound)
         EXPECT_TRUE(find_tree_fault(tree, refs, false));
         EXPECT_TRUE(find_tree_fault(tree, refs, true)) << "where references may be split";
     }
-    // Instances that share a leaf; kinds that are those of the reference.
-    const std::vector<PrimitiveRef> two(2, PrimitiveRef{vec3(0.0f), 0, vec3(1.0f), RefKind::instance});
+    // Two references in one leaf: spheres may share it, instances and a mixture may not.
     const StoredTree shared = {{{Box{vec3(0.0f), vec3(1.0f)}, 0, 2}}, {0, 1}};
-    EXPECT_TRUE(find_tree_fault(shared, two, false));
+    for (const RefKind first : {RefKind::triangle, RefKind::sphere, RefKind::instance})
+        for (const RefKind second : {RefKind::triangle, RefKind::sphere, RefKind::instance}) {
+            const std::vector<PrimitiveRef> two = {{vec3(0.0f), 0, vec3(1.0f), first},
+                                                   {vec3(0.0f), 1, vec3(1.0f), second}};
+            const bool sound = first == second && first != RefKind::instance;
+            EXPECT_EQ(!find_tree_fault(shared, two, false), sound);
+        }
     EXPECT_FALSE(find_tree_fault({}, {}, false));
 }
 
