@@ -16,6 +16,7 @@ std::unique_ptr<Accel> make_embree(const PackedScene&, const AccelOptions&)
 
 #else
 
+#include "snell/bvh/embree_batch.h"
 #include "snell/bvh/embree_rays.h"
 #include "snell/bvh/embree_scene.h"
 #include "snell/core/timer.h"
@@ -26,91 +27,6 @@ std::unique_ptr<Accel> make_embree(const PackedScene&, const AccelOptions&)
 
 namespace snell {
 namespace {
-
-// Embree cannot look behind a ray's origin and cannot divide by directions of less than 1e-18. So it gets rays whose
-// t counts from `start`, in lengths of `scale` times the direction: t' = (t - start) / scale. Mostly they are 0 and 1.
-struct Lane
-{
-    float start = 0.0f, scale = 1.0f;
-    float to_embree(float t) const { return (t - start) / scale; }
-};
-
-// Embree's t differ from ours in the last places, and which hits count is for ours to say: it is asked about a little
-// more.
-constexpr float slack = 0x1p-16f;
-float a_little_later(float t)
-{
-    return t + abs(t) * slack;
-}
-
-constexpr std::size_t stream_length = 64; // also the most lanes
-
-// Rays that Embree is asked about together. RTCRay::id is the lane.
-struct Batch
-{
-    RTCIntersectContext context; // first: filters get its address
-    const PackedScene* scene;
-    const SceneView* view;
-    uint test;
-    const Ray* rays;  // by lane
-    const Hit* after; // by lane; nullptr: the nearest hits are wanted
-    Hit* hits;        // by lane: the best so far
-    std::array<Lane, stream_length> lanes;
-};
-
-// Where the ray meets a primitive of its own space, by our own kernels; as in brute.cpp.
-Intersection meet(const Batch& batch, uint lane, uint primitive, uint instance, const Ray& ray)
-{
-    const ShearedRay shear = shear_ray(ray);
-    Intersection r = intersect_primitive_by(*batch.view, primitive, ray, shear, batch.test);
-    if (r.ok && batch.after != nullptr && !is_later_hit(r.t, primitive, instance, batch.after[lane])) {
-        Ray onward = ray; // the far side of a sphere may be
-        onward.t_min = r.t;
-        r = intersect_primitive_by(*batch.view, primitive, onward, shear, batch.test);
-    }
-    return r;
-}
-
-// The hit of a lane that Embree has found, as it counts here. Where our test says no because it rounds an edge the
-// other way, Embree's word is taken, or there would be a hole.
-bool settle(Batch& batch, uint lane, uint primitive, uint instance, float embree_t, float u, float v)
-{
-    Ray ray = batch.rays[lane];
-    if (instance != none) ray = ray_to_object(ray, batch.scene->instances[instance].to_object);
-    if (!is_traceable(ray)) return false;
-    Intersection r = meet(batch, lane, primitive, instance, ray);
-    if (!r.ok) {
-        if (primitive_kind(primitive) != kind_triangle) return false;
-        Ray line = ray;
-        line.t_min = -infinity(), line.t_max = infinity();
-        if (intersect_primitive_by(*batch.view, primitive, line, shear_ray(line), batch.test).ok) return false;
-        const Lane& map = batch.lanes[lane];
-        r = {embree_t * map.scale + map.start, u, v, true};
-        if (!(r.t > ray.t_min && r.t < ray.t_max)) return false;
-        if (batch.after != nullptr && !is_later_hit(r.t, primitive, instance, batch.after[lane])) return false;
-    }
-    if (!is_better_hit(r.t, primitive, instance, batch.hits[lane])) return false;
-    batch.hits[lane] = {r.t, r.u, r.v, primitive, instance};
-    return true;
-}
-
-void filter(const RTCFilterFunctionNArguments* a)
-{
-    Batch& batch = *reinterpret_cast<Batch*>(a->context);
-    for (uint i = 0; i < a->N; ++i) {
-        if (a->valid[i] == 0) continue;
-        const uint lane = RTCRayN_id(a->ray, a->N, i);
-        const uint instance = RTCHitN_instID(a->hit, a->N, i, 0);
-        const uint primitive = primitive_of_embree(*batch.scene, instance, RTCHitN_geomID(a->hit, a->N, i),
-                                                   RTCHitN_primID(a->hit, a->N, i));
-        float& end = RTCRayN_tfar(a->ray, a->N, i);
-        if (settle(batch, lane, primitive, instance_of_embree(instance), end, RTCHitN_u(a->hit, a->N, i),
-                   RTCHitN_v(a->hit, a->N, i)))
-            end = a_little_later(batch.lanes[lane].to_embree(batch.hits[lane].t));
-        else
-            a->valid[i] = 0;
-    }
-}
 
 // A packet in Embree's order: twelve rows of the rays, eight of the hits.
 constexpr uint most_packet_lanes = 16, ray_rows = 12, hit_rows = 8;
@@ -195,12 +111,12 @@ class EmbreeAccel : public Accel
     void build(bool dynamic);
     void take_stats();
     void trace(std::span<const Ray> rays, const Hit* after, std::span<Hit> hits) const;
-    bool start(Batch& batch, uint lane, RTCRay& ray) const;
-    void trace_chunk(Batch& batch, std::size_t count) const;
+    bool start(EmbreeBatch& batch, uint lane, RTCRay& ray) const;
+    void trace_chunk(EmbreeBatch& batch, std::size_t count) const;
     void occlude_chunk(std::span<const Ray> rays, std::uint8_t* blocked) const;
     bool meets_plane(const Ray& ray) const;
     std::size_t chunk_length() const;
-    Lane lane_for(const Ray& ray) const;
+    EmbreeLane lane_for(const Ray& ray) const;
 };
 
 void EmbreeAccel::build(bool dynamic)
@@ -260,9 +176,9 @@ bool is_near(vec3 p)
 
 // Rays that begin behind their origin, or far away, begin at the scene's box at the earliest, so that no digits are
 // lost.
-Lane EmbreeAccel::lane_for(const Ray& ray) const
+EmbreeLane EmbreeAccel::lane_for(const Ray& ray) const
 {
-    Lane lane;
+    EmbreeLane lane;
     const float longest = max3(abs(ray.direction));
     if (longest < 0x1p-20f || longest > 0x1p20f) lane.scale = std::exp2(-std::floor(std::log2(longest)));
     if (ray.t_min < 0.0f || !is_near(ray.origin)) {
@@ -281,23 +197,24 @@ Lane EmbreeAccel::lane_for(const Ray& ray) const
 }
 
 // The ray of a lane as Embree takes it, after the planes have had their say. False: there is nothing to ask.
-bool EmbreeAccel::start(Batch& batch, uint lane, RTCRay& ray) const
+bool EmbreeAccel::start(EmbreeBatch& batch, uint lane, RTCRay& ray) const
 {
     const Ray& ours = batch.rays[lane];
     Hit& hit = batch.hits[lane];
     hit = miss(ours.t_max);
     if (!is_traceable(ours)) return false;
+    const ShearedRay& shear = batch.shears[lane] = shear_ray(ours);
     for (uint i = 0; i < scene.planes.size(); ++i) {
         const uint primitive = pack_primitive(kind_plane, i);
-        const Intersection r = meet(batch, lane, primitive, none, ours);
+        const Intersection r = meet_primitive(batch, lane, primitive, none, ours, shear);
         if (r.ok && is_better_hit(r.t, primitive, none, hit)) hit = {r.t, 0.0f, 0.0f, primitive, none};
     }
-    const Lane& map = batch.lanes[lane] = lane_for(ours);
+    const EmbreeLane& map = batch.lanes[lane] = lane_for(ours);
     Ray shifted = ours;
     if (map.start != 0.0f) shifted.origin = ray_at(ours, map.start);
     if (map.scale != 1.0f) shifted.direction = ours.direction * map.scale;
     shifted.t_min = max(map.to_embree(ours.t_min), 0.0f);
-    shifted.t_min = max(shifted.t_min - shifted.t_min * slack, 0.0f);
+    shifted.t_min = max(shifted.t_min - shifted.t_min * embree_slack, 0.0f);
     shifted.t_max = a_little_later(map.to_embree(hit.t));
     if (!is_finite3(shifted.origin) || !is_near(shifted.origin) || !(shifted.t_max >= shifted.t_min)) return false;
     ray = to_embree(shifted);
@@ -311,7 +228,7 @@ std::size_t EmbreeAccel::chunk_length() const
     case Traversal::packets:
         return packet_width;
     case Traversal::stream:
-        return stream_length;
+        return embree_stream_length;
     case Traversal::automatic:
     case Traversal::single:
         break;
@@ -322,9 +239,9 @@ std::size_t EmbreeAccel::chunk_length() const
 void EmbreeAccel::trace(std::span<const Ray> rays, const Hit* after, std::span<Hit> hits) const
 {
     const SceneView view = scene.view();
-    Batch batch;
+    EmbreeBatch batch;
     rtcInitIntersectContext(&batch.context);
-    batch.context.filter = filter;
+    batch.context.filter = settle_hits;
     batch.scene = &scene;
     batch.view = &view;
     batch.test = test;
@@ -337,7 +254,7 @@ void EmbreeAccel::trace(std::span<const Ray> rays, const Hit* after, std::span<H
     }
 }
 
-void EmbreeAccel::trace_chunk(Batch& batch, std::size_t count) const
+void EmbreeAccel::trace_chunk(EmbreeBatch& batch, std::size_t count) const
 {
     RTCRay ray;
     const auto no_hit_yet = [](RTCHit& hit) {
@@ -362,7 +279,7 @@ void EmbreeAccel::trace_chunk(Batch& batch, std::size_t count) const
             rtcIntersect4(packet.valid, tree->handle(), &batch.context, static_cast<RTCRayHit4*>(rows));
         return;
     }
-    std::array<RTCRayHit, stream_length> queries;
+    std::array<RTCRayHit, embree_stream_length> queries;
     uint asked = 0;
     for (uint lane = 0; lane < count; ++lane) {
         if (!start(batch, lane, queries[asked].ray)) continue;
@@ -394,7 +311,7 @@ void EmbreeAccel::occlude_chunk(std::span<const Ray> rays, std::uint8_t* blocked
 {
     RTCIntersectContext context;
     rtcInitIntersectContext(&context);
-    std::array<RTCRay, stream_length> queries;
+    std::array<RTCRay, embree_stream_length> queries;
     uint asked = 0;
     for (uint lane = 0; lane < rays.size(); ++lane) {
         const Ray& ray = rays[lane];
@@ -404,7 +321,7 @@ void EmbreeAccel::occlude_chunk(std::span<const Ray> rays, std::uint8_t* blocked
             blocked[lane] = 1;
             continue;
         }
-        const Lane map = lane_for(ray);
+        const EmbreeLane map = lane_for(ray);
         if (map.start == 0.0f && map.scale == 1.0f && is_near(ray.origin)) {
             Ray forward = ray;
             forward.t_min = max(ray.t_min, 0.0f);
