@@ -16,7 +16,8 @@ static constexpr std::array registry = {
     BuilderInfo{"median", "the middle of the longest side: for teaching", build_median},
     BuilderInfo{"sbvh", "spatial splits beside object splits (Stich et al. 2009)", build_sbvh},
     BuilderInfo{"lbvh", "Morton codes, the fastest to build (Lauterbach et al. 2009, Karras 2012)", build_lbvh},
-    BuilderInfo{"ploc", "neighbours on the Morton curve join from the bottom up (Meister and Bittner 2018)", build_ploc},
+    BuilderInfo{"ploc", "neighbours on the Morton curve join from the bottom up (Meister and Bittner 2018)",
+                build_ploc},
 };
 
 std::span<const BuilderInfo> builders()

@@ -25,51 +25,41 @@ class Corners
   public:
     HWY_INLINE Corners(const TriangleBlock& from, uint first) : block_(from), first_(first)
     {
-#if HWY_TARGET <= HWY_AVX3
-        for (uint v = 0; v < 3; ++v) lanes_[v] = hn::Shr(hn::Set(Index(), from.corner[v]), four_bits());
-#elif HWY_TARGET == HWY_AVX2
-        for (uint v = 0; v < 3; ++v) lanes_[v] = hn::Shr(hn::Set(Index(), from.corner[v]), four_bits());
+#if HWY_TARGET <= HWY_AVX2
+        const auto four_bits = hn::ShiftLeft<2>(hn::Iota(Index(), 0));
+        for (uint v = 0; v < 3; ++v) lanes_[v] = hn::Shr(hn::Set(Index(), from.corner[v]), four_bits);
 #endif
     }
 
     HWY_INLINE TriangleVec get(uint vertex, uint axis) const
     {
+        const TriangleTag d;
         const float* list = block_.axis(axis); // what lies behind it may be read
 #if HWY_TARGET <= HWY_AVX3
-        const Table d;
-        const auto lanes = hn::IndicesFromVec(d, hn::And(lanes_[vertex], hn::Set(Index(), 15u)));
-        return hn::LowerHalf(TriangleTag(), hn::TableLookupLanes(hn::LoadU(d, list), lanes));
+        // Vectors of 512 bits would do it as well, but while they are under way the processor adds and multiplies less.
+        const auto low = hn::LoadU(d, list), high = hn::LoadU(d, list + 8);
+        return TriangleVec{_mm256_permutex2var_ps(low.raw, lanes_[vertex].raw, high.raw)};
 #elif HWY_TARGET == HWY_AVX2
-        const Table d;
         const auto lanes = hn::IndicesFromVec(d, hn::And(lanes_[vertex], hn::Set(Index(), 7u)));
         const auto low = hn::TableLookupLanes(hn::LoadU(d, list), lanes);
         const auto high = hn::TableLookupLanes(hn::LoadU(d, list + 8), lanes);
         const auto in_high = hn::MaskFromVec(hn::BitCast(d, hn::ShiftLeft<28>(lanes_[vertex])));
         return hn::IfThenElse(in_high, high, low);
 #else
-        constexpr uint n = hn::MaxLanes(TriangleTag());
+        constexpr uint n = hn::MaxLanes(d);
         alignas(16) float x[n];
         const uint corners = block_.corner[vertex] >> (4 * first_);
         for (uint lane = 0; lane < n; ++lane) x[lane] = list[corners >> (4 * lane) & 15u];
-        return hn::Load(TriangleTag(), x);
+        return hn::Load(d, x);
 #endif
     }
 
   private:
     const TriangleBlock& block_;
     [[maybe_unused]] const uint first_;
-#if HWY_TARGET <= HWY_AVX3
-    using Table = hn::FixedTag<float, 16>;
-#else
-    using Table = TriangleTag;
-#endif
 #if HWY_TARGET <= HWY_AVX2
-    using Index = hn::RebindToUnsigned<Table>;
+    using Index = hn::RebindToUnsigned<TriangleTag>;
     hn::Vec<Index> lanes_[3];
-    static HWY_INLINE hn::Vec<Index> four_bits()
-    {
-        return hn::ShiftLeft<2>(hn::Iota(Index(), 0));
-    }
 #endif
 };
 
@@ -222,6 +212,26 @@ HWY_INLINE bool visit_triangles(const TriangleBlock* block, RayState<Node>& s)
         }
         if (query == Query::counted) s.steps += block->count;
         if (HWY_LIKELY(!block->more) || (query == Query::any && improved)) return improved;
+    }
+}
+
+// Whether a ray meets any triangle of a leaf; without branches that depend on the answer.
+template <TriangleTest test, class Node>
+HWY_INLINE bool is_blocked(const TriangleBlock* block, RayState<Node>& s)
+{
+    constexpr uint n = hn::MaxLanes(TriangleTag());
+    uint any = 0;
+    for (;; block = &block_at(reinterpret_cast<const Line*>(block), block->size())) {
+        for (uint first = 0; first < max_leaf_size; first += n) {
+            TriangleHits hits;
+            if (test == TriangleTest::watertight)
+                watertight(*block, first, s, hits);
+            else
+                moller_trumbore(*block, first, s, hits);
+            any |= hits.ok;
+            if (HWY_UNLIKELY(hits.unsure != 0)) any |= take_hits<Query::any>(*block, first, hits, s);
+        }
+        if (HWY_LIKELY(!block->more)) return any != 0;
     }
 }
 

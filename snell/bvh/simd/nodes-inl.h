@@ -246,18 +246,35 @@ HWY_INLINE uint store_lanes(DU du, uint set, hn::Vec<DU> a, uint* to_a, hn::Vec<
 template <class Node>
 HWY_INLINE void drop_farther(RayState<Node>& s, std::size_t stride)
 {
-    const hn::CappedTag<float, 8> d;
-    const hn::RebindToUnsigned<decltype(d)> du;
-    constexpr uint n = hn::MaxLanes(d);
     uint* const words = s.stack;
     uint* const distances = s.stack + stride;
     uint kept = 0;
+#if HWY_TARGET <= HWY_AVX3
+    // Most stacks are one vector long: no branch that depends on the ray.
+    const hn::FixedTag<float, 16> d;
+    const hn::RebindToUnsigned<decltype(d)> du;
+    uint i = 0;
+    do {
+        const auto distance = hn::LoadU(du, distances + i);
+        const auto near =
+            hn::And(hn::FirstN(d, s.stack_size - i), hn::Le(hn::BitCast(d, distance), hn::Set(d, s.best)));
+        const auto keep = hn::RebindMask(du, near);
+        hn::StoreU(hn::Compress(hn::LoadU(du, words + i), keep), du, words + kept);
+        hn::StoreU(hn::Compress(distance, keep), du, distances + kept);
+        kept += static_cast<uint>(hn::CountTrue(du, keep));
+        i += 16;
+    } while (HWY_UNLIKELY(i < s.stack_size));
+#else
+    const hn::CappedTag<float, 8> d;
+    const hn::RebindToUnsigned<decltype(d)> du;
+    constexpr uint n = hn::MaxLanes(d);
     for (uint i = 0; i < s.stack_size; i += n) {
         const auto distance = hn::LoadU(du, distances + i);
         const uint all = s.stack_size - i < n ? (1u << (s.stack_size - i)) - 1 : (1u << n) - 1;
         const uint near = all & mask_bits(d, hn::Le(hn::BitCast(d, distance), hn::Set(d, s.best)));
         kept += store_lanes(du, near, hn::LoadU(du, words + i), words + kept, distance, distances + kept);
     }
+#endif
     s.stack_size = kept;
 }
 

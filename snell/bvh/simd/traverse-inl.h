@@ -22,7 +22,7 @@ namespace hn = hwy::HWY_NAMESPACE;
 class Stacks
 {
   public:
-    Stacks(std::size_t rays, uint entries) : stride((entries + 2 * 8 + 15) / 16 * 16), memory(2 * rays * stride) {}
+    Stacks(std::size_t rays, uint entries) : stride((entries + 2 * 16 + 15) / 16 * 16), memory(2 * rays * stride) {}
     ChildWord* stack(std::size_t ray) { return memory.data() + 2 * ray * stride; }
 
     const std::size_t stride;
@@ -259,10 +259,12 @@ HWY_INLINE void trace_in_flight(const TraceInput<Node>& input, std::span<const R
     const auto fetch = [&](const RayState<Node>& s, ChildWord word) __attribute__((always_inline))
     {
         if (!input.prefetch) return;
-        const char* node = reinterpret_cast<const char*>(s.nodes + word);
-        const char* block = reinterpret_cast<const char*>(s.lines + (word & child_index_mask));
-        // A sphere block, an instance or a marker makes an address that is fetched in vain; that is harmless.
-        const char* lines = word <= child_index_mask ? node : block;
+        // A sphere block, an instance or a marker makes an address that is fetched in vain; that is harmless. Which of
+        // the two it is nobody can predict, so there is no branch.
+        const auto node = reinterpret_cast<std::uintptr_t>(s.nodes + word);
+        const auto block = reinterpret_cast<std::uintptr_t>(s.lines + (word & child_index_mask));
+        const std::uintptr_t is_node = std::uintptr_t{0} - (word <= child_index_mask);
+        const char* lines = reinterpret_cast<const char*>(block ^ ((node ^ block) & is_node));
         constexpr int most = sizeof(Node) > 192 ? 4 : 3;
         for (int line = 0; line < most; ++line) __builtin_prefetch(lines + 64 * line);
     };
@@ -301,15 +303,18 @@ HWY_INLINE void trace_in_flight(const TraceInput<Node>& input, std::span<const R
         for (std::size_t i = 0; i < count; ++i) {
             const std::size_t slot = todo[i];
             RayState<Node>& s = states[slot];
-            if (visit_triangles<query, test>(&block_at(s.lines, s.current & child_index_mask), s)) {
-                if (query == Query::any) {
-                    s.hit.primitive = 0;
-                    finish(s);
-                    refill(slot);
-                    continue;
-                }
-                drop_farther(s, stride);
+            const TriangleBlock* block = &block_at(s.lines, s.current & child_index_mask);
+            if (query == Query::any) {
+                // A ray that is blocked is done, and goes to those that are.
+                const uint found = 0u - static_cast<uint>(is_blocked<test>(block, s));
+                s.hit.primitive &= ~found;
+                s.current = s.stack[--s.stack_size] | found;
+                fetch(s, s.current);
+                sort_in(slot, s.current);
+                continue;
             }
+            const bool improved = visit_triangles<query, test>(block, s);
+            if (improved) drop_farther(s, stride);
             s.current = s.stack[--s.stack_size];
             fetch(s, s.current);
             sort_in(slot, s.current);
