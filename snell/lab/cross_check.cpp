@@ -84,9 +84,11 @@ Disagreement compare_blocked(std::span<const Ray> rays, std::span<const std::uin
                              std::span<const std::uint8_t> found)
 {
     check_sizes(rays.size(), expected.size(), found.size());
-    const auto word = [](std::uint8_t blocked) { return blocked != 0 ? "something" : "nothing"; };
+    const auto word = [](std::uint8_t blocked) {
+        return blocked == 1 ? "something" : blocked == 0 ? "nothing" : "no answer";
+    };
     return compare(
-        rays, [&](std::size_t i) { return (expected[i] != 0) != (found[i] != 0); },
+        rays, [&](std::size_t i) { return expected[i] != found[i] || found[i] > 1; },
         [&](std::size_t i) { return fmt::format("{} expected, {} found", word(expected[i]), word(found[i])); });
 }
 

@@ -24,6 +24,7 @@ Disagreement compare_hits(std::span<const Ray> rays, std::span<const Hit> expect
 Disagreement compare_hits_nearly(std::span<const Ray> rays, std::span<const Hit> expected, std::span<const Hit> found,
                                  double relative, double length);
 
+// 1: blocked, 0: not; anything else is wrong.
 Disagreement compare_blocked(std::span<const Ray> rays, std::span<const std::uint8_t> expected,
                              std::span<const std::uint8_t> found);
 
