@@ -101,12 +101,14 @@ Lane our_lane(const Accel& accel, std::size_t row, const RaySet& set, Answers& r
 
 #ifdef SNELL_HAS_EMBREE
 Lane embree_lane(RTCScene scene, std::size_t row, const RaySet& set, const std::shared_ptr<bench::EmbreeRays>& rays,
-                 Answers& reference, double scene_radius, bool lie)
+                 bool coherent, Answers& reference, double scene_radius, bool lie)
 {
     Lane lane;
     lane.row = row;
     lane.allowed = allowed_disagreements(set.rays.size());
-    lane.trace = [rays, scene](std::size_t begin, std::size_t end) { rays->trace(scene, begin, end); };
+    lane.trace = [rays, scene, coherent](std::size_t begin, std::size_t end) {
+        rays->trace(scene, begin, end, coherent);
+    };
     lane.reset = [rays] { rays->reset(); };
     lane.check = [rays, &set, &reference, scene_radius, lie, allowed = lane.allowed] {
         Answers answers;

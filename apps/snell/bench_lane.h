@@ -50,7 +50,7 @@ Spent run_once(std::size_t rays, bool all_threads, const Trace& trace);
 Lane our_lane(const Accel& accel, std::size_t row, const RaySet& set, Answers& reference, Answers& own, bool lie);
 #ifdef SNELL_HAS_EMBREE
 Lane embree_lane(RTCScene scene, std::size_t row, const RaySet& set, const std::shared_ptr<bench::EmbreeRays>& rays,
-                 Answers& reference, double scene_radius, bool lie);
+                 bool coherent, Answers& reference, double scene_radius, bool lie);
 #endif
 
 // CPU time so far: of this thread, and of the whole process.
