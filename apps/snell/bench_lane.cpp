@@ -2,6 +2,7 @@
 
 #include "snell/core/parallel.h"
 #include "snell/core/timer.h"
+#include "snell/kernel/surface.h"
 
 #include <algorithm>
 #include <atomic>
@@ -57,17 +58,12 @@ static void falsify(const RaySet& set, Answers& answers, std::size_t count)
     }
 }
 
-// The first answers to come here are those that all others are compared with: bit for bit, or but for rounding.
-static Disagreement check_answers(const RaySet& set, Answers& reference, const Answers& answers, bool exactly,
-                                  double radius)
+// The first answers to come here are those that all others are compared with.
+static void remember_first(Answers& reference, const Answers& answers)
 {
-    if (!reference.known) {
-        reference = answers;
-        reference.known = true;
-    }
-    if (set.any_hit) return compare_blocked(set.rays, reference.blocked, answers.blocked);
-    return exactly ? compare_hits(set.rays, reference.hits, answers.hits)
-                   : compare_hits_nearly(set.rays, reference.hits, answers.hits, 1e-4, 1e-5 * radius);
+    if (reference.known) return;
+    reference = answers;
+    reference.known = true;
 }
 
 Lane our_lane(const Accel& accel, std::size_t row, const RaySet& set, Answers& reference, Answers& own, bool lie)
@@ -94,14 +90,28 @@ Lane our_lane(const Accel& accel, std::size_t row, const RaySet& set, Answers& r
     };
     lane.check = [&set, &reference, &own, lie] {
         if (lie && reference.known) falsify(set, own, 1);
-        return check_answers(set, reference, own, true, 0);
+        remember_first(reference, own);
+        return set.any_hit ? compare_blocked(set.rays, reference.blocked, own.blocked)
+                           : compare_hits(set.rays, reference.hits, own.hits);
     };
     return lane;
 }
 
+Disagreement compare_hits_like_embree(const PackedScene& scene, std::span<const Ray> rays,
+                                      std::span<const Hit> expected, std::span<const Hit> found)
+{
+    const SceneView view = scene.view();
+    const auto cosine = [&view](const Ray& ray, const Hit& hit) {
+        const vec3 n = surface_point(view, ray, hit).geometric_normal;
+        const float c = abs(dot(n, normalize(ray.direction)));
+        return is_finite3(n) ? static_cast<double>(c) : 1.0;
+    };
+    return compare_hits_nearly(rays, expected, found, 1e-4, 1e-5 * static_cast<double>(scene.radius), cosine);
+}
+
 #ifdef SNELL_HAS_EMBREE
 Lane embree_lane(RTCScene scene, std::size_t row, const RaySet& set, const std::shared_ptr<bench::EmbreeRays>& rays,
-                 bool coherent, Answers& reference, double scene_radius, bool lie)
+                 bool coherent, Answers& reference, const PackedScene& packed, bool lie)
 {
     Lane lane;
     lane.row = row;
@@ -110,14 +120,16 @@ Lane embree_lane(RTCScene scene, std::size_t row, const RaySet& set, const std::
         rays->trace(scene, begin, end, coherent);
     };
     lane.reset = [rays] { rays->reset(); };
-    lane.check = [rays, &set, &reference, scene_radius, lie, allowed = lane.allowed] {
+    lane.check = [rays, &set, &reference, &packed, lie, allowed = lane.allowed] {
         Answers answers;
         answers.hits.resize(set.any_hit ? 0 : set.rays.size());
         answers.blocked.resize(set.any_hit ? set.rays.size() : 0);
         rays->hits(answers.hits);
         rays->blocked(answers.blocked);
         if (lie) falsify(set, answers, allowed + 1);
-        return check_answers(set, reference, answers, false, scene_radius);
+        remember_first(reference, answers);
+        if (set.any_hit) return compare_blocked(set.rays, reference.blocked, answers.blocked);
+        return compare_hits_like_embree(packed, set.rays, reference.hits, answers.hits);
     };
     return lane;
 }

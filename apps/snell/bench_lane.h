@@ -50,8 +50,12 @@ Spent run_once(std::size_t rays, bool all_threads, const Trace& trace);
 Lane our_lane(const Accel& accel, std::size_t row, const RaySet& set, Answers& reference, Answers& own, bool lie);
 #ifdef SNELL_HAS_EMBREE
 Lane embree_lane(RTCScene scene, std::size_t row, const RaySet& set, const std::shared_ptr<bench::EmbreeRays>& rays,
-                 bool coherent, Answers& reference, double scene_radius, bool lie);
+                 bool coherent, Answers& reference, const PackedScene& packed, bool lie);
 #endif
+
+// compare_hits_nearly() with the tolerances that Embree gets.
+Disagreement compare_hits_like_embree(const PackedScene& scene, std::span<const Ray> rays,
+                                      std::span<const Hit> expected, std::span<const Hit> found);
 
 // CPU time so far: of this thread, and of the whole process.
 double thread_cpu_seconds();

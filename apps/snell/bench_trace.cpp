@@ -220,8 +220,8 @@ void Measurement::trace_set(std::size_t number, std::span<Structure* const> grou
             // Which way it treats packets better depends on the scene: the row has the better one.
             for (const bool coherent : {false, true}) {
                 if (width == 1 && coherent != set.coherent) continue;
-                lanes.push_back(embree_lane(one->embree->handle(), row, set, rays, coherent, references[number],
-                                            static_cast<double>(scene.radius), job.falsify));
+                lanes.push_back(embree_lane(one->embree->handle(), row, set, rays, coherent, references[number], scene,
+                                            job.falsify));
             }
         }
 #endif
