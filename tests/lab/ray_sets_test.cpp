@@ -125,28 +125,30 @@ TEST(RaySets, BouncesStayInAClosedRoom)
     }
 }
 
-TEST(RaySets, BouncesFollowTheCosine)
+TEST(RaySets, BouncesFollowTheCosineOnTheSideOfTheRayBefore)
 {
-    Scene scene;
-    place(scene, make_quad("floor", {-9, 0, 9}, {9, 0, 9}, {9, 0, -9}, {-9, 0, -9}, add(scene, MaterialDesc{})));
-    add(scene, CameraDesc{"above", {0, 5, 0.1f}, {0, 0, 0}, {0, 1, 0}, 40.0f});
-    const RaySetOptions options = options_for(20000);
-    const Fixture fixture(std::move(scene), options.rays);
-    const std::vector<RaySet> sets = fixture.sets(options);
-    double sum = 0, along = 0;
-    for (const Ray& ray : sets[3].rays) {
-        ASSERT_GT(ray.direction.y, -1e-6f);
-        ASSERT_GT(ray.origin.y, 0.0f);
-        sum += static_cast<double>(ray.direction.y);
-        along += static_cast<double>(ray.direction.x);
+    for (const float side : {1.0f, -1.0f}) {
+        Scene scene;
+        place(scene, make_quad("floor", {-9, 0, 9}, {9, 0, 9}, {9, 0, -9}, {-9, 0, -9}, add(scene, MaterialDesc{})));
+        add(scene, CameraDesc{"above or below", {0, 5 * side, 0.1f}, {0, 0, 0}, {0, 0, -1}, 40.0f});
+        const RaySetOptions options = options_for(20000);
+        const Fixture fixture(std::move(scene), options.rays);
+        const std::vector<RaySet> sets = fixture.sets(options);
+        ASSERT_EQ(sets[3].rays.size(), 20000u);
+        double sum = 0, along = 0;
+        for (const Ray& ray : sets[3].rays) {
+            ASSERT_GT(side * ray.direction.y, -1e-6f);
+            ASSERT_GT(side * ray.origin.y, 0.0f);
+            sum += static_cast<double>(side * ray.direction.y);
+            along += static_cast<double>(ray.direction.x);
+        }
+        EXPECT_NEAR(sum / 20000, 2.0 / 3.0, 0.006); // of the cosine distribution; three deviations
+        EXPECT_NEAR(along / 20000, 0.0, 0.012);
+        EXPECT_TRUE(sets[4].rays.empty()) << "nothing for them to hit";
+        EXPECT_TRUE(sets[5].rays.empty());
+        // The studio of a scene without lamps has no place: a square below the top stands in.
+        EXPECT_EQ(sets[1].rays.size(), 20000u);
     }
-    const double count = static_cast<double>(sets[3].rays.size());
-    EXPECT_NEAR(sum / count, 2.0 / 3.0, 0.006); // of the cosine distribution; three deviations
-    EXPECT_NEAR(along / count, 0.0, 0.012);
-    EXPECT_TRUE(sets[4].rays.empty()) << "nothing for them to hit";
-    EXPECT_TRUE(sets[5].rays.empty());
-    // The studio of a scene without lamps has no place: a square below the top stands in.
-    EXPECT_EQ(sets[1].rays.size(), 20000u);
 }
 
 TEST(RaySets, OfNothingAreEmpty)
