@@ -27,6 +27,9 @@ struct Children
     alignas(16) float weight[size] = {};
 };
 
+// How far ahead of a block its triangles and their vertices are asked for, in blocks, and its lines before that.
+constexpr std::size_t triangles_ahead = 12, vertices_ahead = 6, lines_ahead = 48;
+
 // Runs ahead of a thread that goes from block to block, and asks for what it will need.
 template <std::size_t ahead, class Ask>
 class Scout
@@ -227,15 +230,16 @@ class Refitter
     void refit_leaves(std::size_t begin, std::size_t end, Children<Node>* children) const
     {
         const auto ask_triangles = [&](const TriangleBlock& block) {
-            for (uint lane = 0; lane < block.count; ++lane) __builtin_prefetch(&scene_.triangles[block.id[lane]]);
+            for (const uint id : block.id) __builtin_prefetch(&scene_.triangles[id]);
+            const char* const later = reinterpret_cast<const char*>(&block) + lines_ahead * sizeof(Line);
+            for (uint i = 0; i < block.size(); ++i) __builtin_prefetch(later + i * sizeof(Line), 1);
         };
         const auto ask_vertices = [&](const TriangleBlock& block) {
-            for (uint lane = 0; lane < block.count; ++lane)
-                __builtin_prefetch(&scene_.positions[scene_.triangles[block.id[lane]].v0]);
+            for (const uint id : block.id) __builtin_prefetch(&scene_.positions[scene_.triangles[id].v0]);
         };
         const std::size_t last = tree_.no_child & child_index_mask;
-        Scout<8, decltype(ask_triangles)> triangles(tree_.lines.data(), last, ask_triangles);
-        Scout<4, decltype(ask_vertices)> vertices(tree_.lines.data(), last, ask_vertices);
+        Scout<triangles_ahead, decltype(ask_triangles)> triangles(tree_.lines.data(), last, ask_triangles);
+        Scout<vertices_ahead, decltype(ask_vertices)> vertices(tree_.lines.data(), last, ask_vertices);
         const auto seen = [&](std::size_t block) {
             triangles.follow(block);
             vertices.follow(block);

@@ -103,6 +103,32 @@ inline void number_corners(const std::vector<Triangle>& triangles, TriangleBlock
     for (uint i = used; i < 16; ++i) numbers[i] = numbers[0];
 }
 
+// x, y and z of four vertices go to their places in a block, and extend the box.
+template <bool all_finite>
+HWY_INLINE void put_four(const Rows& r, float* const (&to)[3], uint at, Rows& lower, Rows& upper)
+{
+    const Four d;
+    if constexpr (all_finite) {
+        hn::Store(r.x, d, to[0] + at);
+        hn::Store(r.y, d, to[1] + at);
+        hn::Store(r.z, d, to[2] + at);
+        lower = {hn::Min(lower.x, r.x), hn::Min(lower.y, r.y), hn::Min(lower.z, r.z)};
+        upper = {hn::Max(upper.x, r.x), hn::Max(upper.y, r.y), hn::Max(upper.z, r.z)};
+        return;
+    }
+    const auto zero_if_finite = [](Vec v) { return hn::Sub(v, v); };
+    const Vec zero = hn::Add(hn::Add(zero_if_finite(r.x), zero_if_finite(r.y)), zero_if_finite(r.z)); // else NaN
+    const auto seen = hn::Eq(zero, hn::Zero(d));
+    const Vec nan = hn::Set(d, std::numeric_limits<float>::quiet_NaN());
+    hn::Store(hn::IfThenElse(seen, r.x, nan), d, to[0] + at);
+    hn::Store(hn::IfThenElse(seen, r.y, nan), d, to[1] + at);
+    hn::Store(hn::IfThenElse(seen, r.z, nan), d, to[2] + at);
+    const auto low = [&](Vec v, Vec old) { return hn::IfThenElse(seen, hn::Min(v, old), old); };
+    const auto high = [&](Vec v, Vec old) { return hn::IfThenElse(seen, hn::Max(v, old), old); };
+    lower = {low(r.x, lower.x), low(r.y, lower.y), low(r.z, lower.z)};
+    upper = {high(r.x, upper.x), high(r.y, upper.y), high(r.z, upper.z)};
+}
+
 // Reads the vertices of a block's triangles from the scene again; returns the box of those that are finite. The others
 // become NaN, which no ray hits.
 HWY_INLINE Corners refill(const std::vector<Triangle>& triangles, const Positions& positions, TriangleBlock& block)
@@ -113,42 +139,41 @@ HWY_INLINE Corners refill(const std::vector<Triangle>& triangles, const Position
     for (uint i = 0; i < 16; i += 4) hn::Store(hn::Set(du, none), du, numbers + i);
     uint corner[3] = {block.corner[0], block.corner[1], block.corner[2]};
     bool agree = true;
-    for (uint lane = 0; lane < block.count; ++lane) {
-        const Triangle& triangle = triangles[block.id[lane]];
+    for (const uint id : block.id) { // unused ones repeat the first
+        const Triangle& triangle = triangles[id];
         const uint vertex[3] = {triangle.v0, triangle.v1, triangle.v2};
         for (uint v = 0; v < 3; ++v) {
             uint& number = numbers[corner[v] & 15u];
-            agree &= number == none || number == vertex[v];
+            agree &= (number == none) | (number == vertex[v]);
             number = vertex[v];
             corner[v] >>= 4;
         }
     }
     if (HWY_UNLIKELY(!agree)) number_corners(triangles, block, numbers);
 
+    const uint groups = block.capacity / 4u;
+    Rows rows[4];
+    Vec zero = hn::Zero(d); // NaN where a vertex is not finite
+    for (uint g = 0; g < groups; ++g) {
+        Vec p[4];
+        for (uint k = 0; k < 4; ++k) {
+            const uint number = numbers[4 * g + k];
+            p[k] = positions[number != none ? number : numbers[0]];
+        }
+        rows[g] = transpose(p[0], p[1], p[2], p[3]);
+        for (const Vec v : {rows[g].x, rows[g].y, rows[g].z}) zero = hn::Add(zero, hn::Sub(v, v));
+    }
+    const bool all_finite = hn::AllTrue(d, hn::Eq(zero, hn::Zero(d)));
+    float* const to[3] = {block.axis(0), block.axis(1), block.axis(2)};
+    const Corners empty;
+    Rows lower = {empty.lower, empty.lower, empty.lower}, upper = {empty.upper, empty.upper, empty.upper};
+    if (HWY_LIKELY(all_finite)) {
+        for (uint g = 0; g < groups; ++g) put_four<true>(rows[g], to, 4 * g, lower, upper);
+    } else {
+        for (uint g = 0; g < groups; ++g) put_four<false>(rows[g], to, 4 * g, lower, upper);
+    }
     const auto smaller = [](Vec a, Vec b) { return hn::Min(a, b); };
     const auto larger = [](Vec a, Vec b) { return hn::Max(a, b); };
-    const Vec inf = hn::Set(d, std::numeric_limits<float>::infinity());
-    const Vec nan = hn::Set(d, std::numeric_limits<float>::quiet_NaN());
-    const auto magnitude = hn::Set(du, 0x7fffffffu), finite = hn::Set(du, 0x7f7fffffu);
-    Rows lower = {inf, inf, inf}, upper = {hn::Neg(inf), hn::Neg(inf), hn::Neg(inf)};
-    float *const to_x = block.axis(0), *const to_y = block.axis(1), *const to_z = block.axis(2);
-    for (uint i = 0; i < block.capacity; i += 4) {
-        Vec p[4];
-        for (uint k = 0; k < 4; ++k) p[k] = positions[numbers[i + k] != none ? numbers[i + k] : numbers[0]];
-        const Rows r = transpose(p[0], p[1], p[2], p[3]);
-        const auto bits = [&](Vec v) { return hn::And(hn::BitCast(du, v), magnitude); };
-        const auto largest = hn::Max(hn::Max(bits(r.x), bits(r.y)), bits(r.z));
-        const auto unseen = hn::RebindMask(d, hn::Gt(largest, finite)); // NaN or infinite
-        hn::Store(hn::IfThenElse(unseen, nan, r.x), d, to_x + i);
-        hn::Store(hn::IfThenElse(unseen, nan, r.y), d, to_y + i);
-        hn::Store(hn::IfThenElse(unseen, nan, r.z), d, to_z + i);
-        lower.x = hn::Min(lower.x, hn::IfThenElse(unseen, inf, r.x));
-        lower.y = hn::Min(lower.y, hn::IfThenElse(unseen, inf, r.y));
-        lower.z = hn::Min(lower.z, hn::IfThenElse(unseen, inf, r.z));
-        upper.x = hn::Max(upper.x, hn::IfThenElse(unseen, hn::Neg(inf), r.x));
-        upper.y = hn::Max(upper.y, hn::IfThenElse(unseen, hn::Neg(inf), r.y));
-        upper.z = hn::Max(upper.z, hn::IfThenElse(unseen, hn::Neg(inf), r.z));
-    }
     // Adding 0 turns -0 into +0, as builders do: min and max of the two depend on the order.
     return {hn::Add(reduce(lower, smaller), hn::Zero(d)), hn::Add(reduce(upper, larger), hn::Zero(d))};
 }
