@@ -325,51 +325,59 @@ TEST(RefitHostile, VerticesThatAreNoNumbersComeAndGo)
     add_cloud(scene, random, 30, 0.2f);
     end_world(scene);
     const PackedScene rest = scene;
-    const std::vector<Ray> rays = random_rays(random, 2000);
-    const float bad[] = {std::nanf(""), infinity(), -infinity()};
-    for (const bool bad_from_the_start : {false, true}) {
-        scene = rest;
-        const auto spoil = [&] {
-            for (std::size_t i = 0; i < scene.positions.size(); i += 7) scene.positions[i][int(i % 3)] = bad[i / 7 % 3];
-            for (std::size_t i = 0; i < scene.spheres.size(); i += 5) scene.spheres[i].center.y = bad[i / 5 % 3];
-        };
-        if (bad_from_the_start) spoil();
-        const std::unique_ptr<Accel> accel = make(scene, UpdatePolicy::refit);
-        expect_same_as_brute_force(*accel, scene, rays);
-        spoil();
-        accel->update(world_changes());
-        expect_same_as_brute_force(*accel, scene, rays);
-        scene = rest;
-        accel->update(world_changes());
-        expect_same_as_brute_force(*accel, scene, rays);
-    }
+    const std::vector<Ray> rays = random_rays(random, 1000);
+    for (const float bad : {std::nanf(""), infinity(), -infinity()})
+        for (const std::size_t step : {7u, 100u})
+            for (const bool from_the_start : {false, true}) {
+                SCOPED_TRACE(fmt::format("{} in every {}th vertex{}", bad, step, from_the_start ? ", and before" : ""));
+                scene = rest;
+                const auto spoil = [&] {
+                    for (std::size_t i = 0; i < scene.positions.size(); i += step) scene.positions[i][int(i % 3)] = bad;
+                    for (std::size_t i = 0; i < scene.spheres.size(); i += step) scene.spheres[i].center.y = bad;
+                };
+                if (from_the_start) spoil();
+                const std::unique_ptr<Accel> accel = make(scene, UpdatePolicy::refit);
+                expect_same_as_brute_force(*accel, scene, rays);
+                spoil();
+                accel->update(world_changes());
+                EXPECT_EQ(accel->stats.refitted, from_the_start ? 0u : 1u); // else they have no place in the tree
+                expect_same_as_brute_force(*accel, scene, rays);
+                scene = rest;
+                accel->update(world_changes());
+                expect_same_as_brute_force(*accel, scene, rays);
+            }
 }
 
 TEST(RefitHostile, EverythingVanishesAndReturns)
 {
-    for (const int count : {1, 3, 200}) {
-        SCOPED_TRACE(count);
-        Random random(48);
-        PackedScene scene;
-        add_triangle(scene, vec3(-1.0f, -1.0f, 0.0f), vec3(1.0f, -1.0f, 0.1f), vec3(0.0f, 1.5f, 0.0f));
-        add_soup(scene, random, count - 1, 0.5f);
-        end_group(scene);
-        end_world(scene);
-        add_instance(scene, 0, translation(vec3(0.1f)));
-        const PackedScene rest = scene;
-        const std::vector<Ray> rays = random_rays(random, 1000);
-        const std::unique_ptr<Accel> accel = make(scene, UpdatePolicy::refit);
-        PackedChanges changes;
-        changes.groups = {0};
-        for (vec3& p : scene.positions) p.x = std::nanf("");
-        accel->update(changes);
-        std::vector<Hit> hits(rays.size());
-        accel->intersect(rays, hits);
-        for (const Hit& hit : hits) ASSERT_FALSE(is_hit(hit));
-        scene.positions = rest.positions;
-        accel->update(changes);
-        expect_same_as_brute_force(*accel, scene, rays);
-    }
+    for (const bool in_world : {false, true})
+        for (const int count : {1, 3, 200}) {
+            SCOPED_TRACE(fmt::format("{} in {}", count, in_world ? "the world" : "a group"));
+            Random random(48);
+            PackedScene scene;
+            add_triangle(scene, vec3(-1.0f, -1.0f, 0.0f), vec3(1.0f, -1.0f, 0.1f), vec3(0.0f, 1.5f, 0.0f));
+            add_soup(scene, random, count - 1, 0.5f);
+            PackedChanges changes;
+            if (in_world) {
+                changes.world = true;
+            } else {
+                end_group(scene);
+                add_instance(scene, 0, translation(vec3(0.1f)));
+                changes.groups = {0};
+            }
+            end_world(scene);
+            const PackedScene rest = scene;
+            const std::vector<Ray> rays = random_rays(random, 1000);
+            const std::unique_ptr<Accel> accel = make(scene, UpdatePolicy::refit);
+            for (vec3& p : scene.positions) p.x = std::nanf("");
+            accel->update(changes);
+            std::vector<Hit> hits(rays.size());
+            accel->intersect(rays, hits);
+            for (const Hit& hit : hits) ASSERT_FALSE(is_hit(hit));
+            scene.positions = rest.positions;
+            accel->update(changes);
+            expect_same_as_brute_force(*accel, scene, rays);
+        }
 }
 
 TEST(RefitHostile, ShapesWithoutSurfaceAndHugeOnes)
