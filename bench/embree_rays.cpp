@@ -120,17 +120,14 @@ void call(const int* valid, RTCScene scene, RTCIntersectContext* context, RTCRay
 struct EmbreeRays::Impl
 {
     std::span<const Ray> rays;
-    bool coherent = false;
     std::variant<Queries<RTCRayHit>, Queries<RTCRay>, Queries<RTCRayHit8>, Queries<RTCRay8>, Queries<RTCRayHit16>,
                  Queries<RTCRay16>>
         queries;
 };
 
-EmbreeRays::EmbreeRays(std::span<const Ray> rays, uint width, bool any_hit, bool coherent)
-    : impl_(std::make_unique<Impl>())
+EmbreeRays::EmbreeRays(std::span<const Ray> rays, uint width, bool any_hit) : impl_(std::make_unique<Impl>())
 {
     impl_->rays = rays;
-    impl_->coherent = coherent;
     const std::size_t count = (rays.size() + width - 1) / width;
     switch (width) {
     case 1:
@@ -179,11 +176,11 @@ void EmbreeRays::reset()
         impl_->queries);
 }
 
-void EmbreeRays::trace(RTCScene scene, std::size_t begin, std::size_t end)
+void EmbreeRays::trace(RTCScene scene, std::size_t begin, std::size_t end, bool coherent)
 {
     RTCIntersectContext context;
     rtcInitIntersectContext(&context);
-    context.flags = impl_->coherent ? RTC_INTERSECT_CONTEXT_FLAG_COHERENT : RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT;
+    context.flags = coherent ? RTC_INTERSECT_CONTEXT_FLAG_COHERENT : RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT;
     std::visit(
         [&]<class Query>(Queries<Query>& queries) {
             constexpr uint width = width_of<Query>();

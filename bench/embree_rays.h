@@ -15,15 +15,16 @@ class EmbreeRays
 {
   public:
     // width: 1, 8 or 16 rays a call; the last packet is filled up with inactive lanes. any_hit: for rtcOccluded, else
-    // for rtcIntersect. coherent: tell Embree that neighbours point the same way.
-    EmbreeRays(std::span<const Ray> rays, uint width, bool any_hit, bool coherent);
+    // for rtcIntersect.
+    EmbreeRays(std::span<const Ray> rays, uint width, bool any_hit);
     ~EmbreeRays();
 
     // Takes back what trace() wrote into the rays. In parallel.
     void reset();
 
-    // Traces rays [begin, end); begin is a multiple of the width. Thread-safe for ranges that do not share packets.
-    void trace(RTCScene scene, std::size_t begin, std::size_t end);
+    // Traces rays [begin, end); begin is a multiple of the width. coherent: tells Embree that neighbours point the same
+    // way, which makes it treat packets otherwise. Thread-safe for ranges that do not share packets.
+    void trace(RTCScene scene, std::size_t begin, std::size_t end, bool coherent);
 
     // Answers of the last trace() of each ray. Only t of a hit and whether there is one mean something to snell:
     // primitives are numbered as Embree's geometries number them.

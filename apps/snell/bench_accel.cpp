@@ -37,7 +37,7 @@ struct AccelBench
     std::vector<std::string> accels, builders, traversals; // as asked for; none: the usual selection
     std::map<std::string, std::string> parameters;         // -D
     TraceJob trace;
-    std::string json_file, html_file;
+    std::string json_file, html_file, refit_scene = "field:1000000";
     int threads = 0;
     bool quick = false;
     bool chose_rays = false, chose_runs = false;
@@ -91,12 +91,26 @@ static std::vector<StructureChoice> structures_of(const AccelBench& bench)
     return list;
 }
 
+static void cannot_write(const std::string& name, const char* option)
+{
+    throw Error({name, 0, 0}, "cannot be written", fmt::format("choose another file for {}", option));
+}
+
+// Leaves what is there as it is, and no file where there was none.
+static void check_writable(const std::string& name, const char* option)
+{
+    std::error_code error;
+    const bool existed = std::filesystem::exists(name, error);
+    if (!std::ofstream(name, std::ios::app)) cannot_write(name, option);
+    if (!existed) std::filesystem::remove(name, error);
+}
+
 static void write_text(const std::string& name, const std::string& text, const char* option)
 {
     std::ofstream file(name);
     file << text;
     file.flush();
-    if (!file) throw Error({name, 0, 0}, "cannot be written", fmt::format("choose another file for {}", option));
+    if (!file) cannot_write(name, option);
 }
 
 // A file without its folder.
@@ -160,7 +174,9 @@ static std::optional<int> read_options(const Arguments& arguments, AccelBench& b
     options.flag("--growth",
                  "Also fields of 10^4 to 10^7 triangles (quick: 10^6): the cost of a ray against their number",
                  [&] { bench.growth = true; });
-    options.flag("--no-refit", "Leave out the refitting of a million triangles", [&] { bench.refit = false; });
+    options.value("--refit-scene", "SCENE", "What is refitted, a scene without instances (field:1000000)",
+                  [&](const std::string& text) { bench.refit_scene = text; });
+    options.flag("--no-refit", "Leave out the refitting", [&] { bench.refit = false; });
     options.flag("--no-path", "Leave out the path tracer", [&] { bench.path = false; });
     options.flag("--no-embree", "Leave Embree out", [&] { bench.trace.embree = false; });
     options.flag("--no-packets", "Leave Embree's packets out", [&] { bench.trace.packets = false; });
@@ -241,8 +257,8 @@ int run_bench_accel(const Arguments& arguments)
     }
     set_thread_count(bench.threads);
     // Before minutes of measuring, not after.
-    if (!bench.json_file.empty()) write_text(bench.json_file, "", "--json");
-    if (!bench.html_file.empty()) write_text(bench.html_file, "", "--html");
+    if (!bench.json_file.empty()) check_writable(bench.json_file, "--json");
+    if (!bench.html_file.empty()) check_writable(bench.html_file, "--html");
     bench.trace.ours = structures_of(bench);
 
     AccelResults results;
@@ -252,10 +268,10 @@ int run_bench_accel(const Arguments& arguments)
     for (const std::string& name : bench.scenes) measure_scene(name, bench, results);
     if (bench.growth) measure_growth(bench, results);
     if (bench.refit) {
-        BenchScene scene = open_bench_scene("field:1000000", bench.choice, CameraChoice(), false, bench.trace.rays);
+        BenchScene scene = open_bench_scene(bench.refit_scene, bench.choice, CameraChoice(), false, bench.trace.rays);
         const StructureChoice& ours = bench.trace.ours[0];
-        results.refit = measure_refit("field:1000000", scene, *ours.info, ours.options, bench.trace.embree,
-                                      std::max(5, bench.trace.runs), results.failures);
+        results.refit = measure_refit(short_name(bench.refit_scene), scene, *ours.info, ours.options,
+                                      bench.trace.embree, std::max(5, bench.trace.runs), results.failures);
         print_refit(*results.refit);
     }
     print_summary(results);

@@ -1,6 +1,6 @@
 #include "bench_path.h"
 
-#include "bench_trace.h"
+#include "bench_lane.h"
 
 #include "snell/core/timer.h"
 #include "snell/lab/accel_figures.h"

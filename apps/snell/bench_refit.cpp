@@ -1,5 +1,6 @@
 #include "bench_refit.h"
 
+#include "bench_lane.h"
 #include "console.h"
 
 #include "snell/core/parallel.h"
@@ -94,10 +95,10 @@ RefitFigures measure_refit(const std::string& name, BenchScene& bench, const Acc
                         d.count, rays.size(), d.text));
 #ifdef SNELL_HAS_EMBREE
     if (!embree) return figures;
-    bench::EmbreeRays queries(rays, 1, false, true);
-    queries.trace(embree->handle(), 0, rays.size());
+    bench::EmbreeRays queries(rays, 1, false);
+    queries.trace(embree->handle(), 0, rays.size(), true);
     queries.hits(found);
-    const Disagreement d = compare_hits_nearly(rays, expected, found, 1e-4, 1e-5 * static_cast<double>(scene.radius));
+    const Disagreement d = compare_hits_like_embree(scene, rays, expected, found);
     if (d.count > allowed_disagreements(rays.size()))
         failures.push_back(fmt::format("{}: after refitting, Embree disagrees about {} of {} rays: {}", name, d.count,
                                        rays.size(), d.text));

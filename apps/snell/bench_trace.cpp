@@ -1,34 +1,28 @@
 #include "bench_trace.h"
 
+#include "bench_lane.h"
 #include "console.h"
 
 #include "snell/core/error.h"
 #include "snell/core/parallel.h"
 #include "snell/core/timer.h"
-#include "snell/lab/cross_check.h"
-#include "snell/lab/ray_sets.h"
 
 #ifdef SNELL_HAS_EMBREE
-#include "bench/embree_rays.h"
-
 #include "snell/bvh/embree_scene.h"
 #endif
 
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <atomic>
 #include <functional>
+#include <map>
 #include <memory>
-#include <optional>
-
-#include <time.h>
+#include <set>
 
 namespace snell::app {
 
 namespace {
 
-constexpr std::size_t batch_size = 4096;
 // Triangles that all structures of ours may hold together: scenes beyond are measured a few structures at a time.
 constexpr std::size_t triangles_at_once = 12'000'000;
 
@@ -46,144 +40,6 @@ struct Structure
 #endif
     std::vector<std::size_t> rows; // of the AccelScene: one, or one for each width of Embree's packets
 };
-
-using Trace = std::function<void(std::size_t begin, std::size_t end)>;
-
-// A structure about to trace one set of rays.
-struct Lane
-{
-    std::size_t row = 0;
-    Trace trace;
-    std::function<void()> reset = [] {}; // outside the clock, before each run
-    std::function<Disagreement()> check; // of the last run with the reference
-    std::size_t allowed = 0;             // disagreements
-    std::vector<double> one, all, wall;
-};
-
-// The answers that all others are compared with: those of our first structure.
-struct Answers
-{
-    std::vector<Hit> hits;
-    std::vector<std::uint8_t> blocked;
-    bool known = false;
-};
-
-struct Spent
-{
-    double cpu = 0, wall = 0;
-};
-
-} // namespace
-
-static double clock_seconds(clockid_t clock)
-{
-    timespec now = {};
-    clock_gettime(clock, &now);
-    return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
-}
-
-double thread_cpu_seconds()
-{
-    return clock_seconds(CLOCK_THREAD_CPUTIME_ID);
-}
-
-double process_cpu_seconds()
-{
-    return clock_seconds(CLOCK_PROCESS_CPUTIME_ID);
-}
-
-// The time that threads spend in batches, not what they wait.
-static Spent run_once(std::size_t rays, bool all_threads, const Trace& trace)
-{
-    const std::size_t batches = (rays + batch_size - 1) / batch_size;
-    std::atomic<std::int64_t> nanoseconds = 0;
-    const auto run = [&](std::size_t begin, std::size_t end) {
-        const double start = thread_cpu_seconds();
-        for (std::size_t b = begin; b < end; ++b) trace(b * batch_size, std::min(rays, (b + 1) * batch_size));
-        nanoseconds += static_cast<std::int64_t>(1e9 * (thread_cpu_seconds() - start));
-    };
-    const Timer timer;
-    if (all_threads)
-        parallel_ranges(batches, 1, run);
-    else
-        run(0, batches);
-    return {1e-9 * static_cast<double>(nanoseconds), timer.seconds()};
-}
-
-// Makes the first `count` answers wrong.
-static void falsify(const RaySet& set, Answers& answers, std::size_t count)
-{
-    for (std::size_t i = 0; i < std::min(count, set.rays.size()); ++i) {
-        if (set.any_hit)
-            answers.blocked[i] ^= 1;
-        else
-            answers.hits[i] = is_hit(answers.hits[i]) ? miss(set.rays[i].t_max) : Hit{1.0f, 0.0f, 0.0f, 0, none};
-    }
-}
-
-// The first answers to come here are those that all others are compared with: bit for bit, or but for rounding.
-static Disagreement check_answers(const RaySet& set, Answers& reference, const Answers& answers, bool exactly,
-                                  double radius)
-{
-    if (!reference.known) {
-        reference = answers;
-        reference.known = true;
-    }
-    if (set.any_hit) return compare_blocked(set.rays, reference.blocked, answers.blocked);
-    return exactly ? compare_hits(set.rays, reference.hits, answers.hits)
-                   : compare_hits_nearly(set.rays, reference.hits, answers.hits, 1e-4, 1e-5 * radius);
-}
-
-static Lane our_lane(const Structure& structure, const RaySet& set, Answers& reference, Answers& own, bool lie)
-{
-    Lane lane;
-    lane.row = structure.rows[0];
-    const Accel& accel = *structure.accel;
-    if (set.any_hit) {
-        own.blocked.assign(set.rays.size(), 2);
-        lane.trace = [&accel, &set, &own](std::size_t begin, std::size_t end) {
-            accel.occluded(std::span(set.rays).subspan(begin, end - begin),
-                           std::span(own.blocked).subspan(begin, end - begin));
-        };
-    } else {
-        own.hits.resize(set.rays.size());
-        lane.trace = [&accel, &set, &own](std::size_t begin, std::size_t end) {
-            accel.intersect(std::span(set.rays).subspan(begin, end - begin),
-                            std::span(own.hits).subspan(begin, end - begin));
-        };
-    }
-    lane.check = [&set, &reference, &own, lie] {
-        if (lie && reference.known) falsify(set, own, 1);
-        return check_answers(set, reference, own, true, 0);
-    };
-    return lane;
-}
-
-#ifdef SNELL_HAS_EMBREE
-static Lane embree_lane(const Structure& structure, std::size_t row, const RaySet& set,
-                        const std::shared_ptr<bench::EmbreeRays>& rays, Answers& reference, double radius, bool lie)
-{
-    Lane lane;
-    lane.row = row;
-    lane.allowed = allowed_disagreements(set.rays.size());
-    lane.trace = [rays, scene = structure.embree->handle()](std::size_t begin, std::size_t end) {
-        rays->trace(scene, begin, end);
-    };
-    lane.reset = [rays] { rays->reset(); };
-    lane.check = [rays, &set, &reference, radius, lie, allowed = lane.allowed] {
-        Answers answers;
-        answers.hits.resize(set.any_hit ? 0 : set.rays.size());
-        answers.blocked.resize(set.any_hit ? set.rays.size() : 0);
-        rays->hits(answers.hits);
-        rays->blocked(answers.blocked);
-        if (lie) falsify(set, answers, allowed + 1);
-        return check_answers(set, reference, answers, false, radius);
-    };
-    return lane;
-}
-#endif
-
-namespace {
 
 class Measurement
 {
@@ -351,7 +207,7 @@ void Measurement::trace_set(std::size_t number, std::span<Structure* const> grou
 #endif
     for (Structure* one : group) {
         if (one->accel) {
-            lanes.push_back(our_lane(*one, set, references[number], own, job.falsify));
+            lanes.push_back(our_lane(*one->accel, one->rows[0], set, references[number], own, job.falsify));
             continue;
         }
 #ifdef SNELL_HAS_EMBREE
@@ -360,9 +216,13 @@ void Measurement::trace_set(std::size_t number, std::span<Structure* const> grou
             // Beyond the first bounces packets only lose time, the benchmark's as well.
             if (width > 1 && set.name.starts_with("bounce")) continue;
             auto& rays = prepared[width];
-            if (!rays) rays = std::make_shared<bench::EmbreeRays>(set.rays, width, set.any_hit, set.coherent);
-            lanes.push_back(
-                embree_lane(*one, row, set, rays, references[number], static_cast<double>(scene.radius), job.falsify));
+            if (!rays) rays = std::make_shared<bench::EmbreeRays>(set.rays, width, set.any_hit);
+            // Which way it treats packets better depends on the scene: the row has the better one.
+            for (const bool coherent : {false, true}) {
+                if (width == 1 && coherent != set.coherent) continue;
+                lanes.push_back(embree_lane(one->embree->handle(), row, set, rays, coherent, references[number], scene,
+                                            job.falsify));
+            }
         }
 #endif
     }
@@ -375,7 +235,8 @@ void Measurement::trace_set(std::size_t number, std::span<Structure* const> grou
             if (run < 0) {
                 AccelRow& row = result.rows[lane.row];
                 const Disagreement difference = lane.check();
-                row.traces[set.name].disagreements = difference.count;
+                std::size_t& count = row.traces[set.name].disagreements;
+                count = std::max(count, difference.count);
                 if (difference.count > lane.allowed)
                     failures.push_back(fmt::format("{}: {} disagrees with {} about {} of {} {} rays: {}", result.name,
                                                    row.name, result.rows[0].name, difference.count, set.rays.size(),
@@ -390,9 +251,12 @@ void Measurement::trace_set(std::size_t number, std::span<Structure* const> grou
             lane.wall.push_back(1e-6 * rays / all.wall);
         }
     }
+    std::set<std::size_t> known; // rows of this group
     for (Lane& lane : lanes) {
         TraceFigure& figure = result.rows[lane.row].traces[set.name];
-        figure.one = spread_of(std::move(lane.one));
+        const Spread one = spread_of(std::move(lane.one));
+        if (!known.insert(lane.row).second && one.median <= figure.one.median) continue;
+        figure.one = one;
         figure.all = spread_of(std::move(lane.all));
         figure.wall = spread_of(std::move(lane.wall));
     }

@@ -40,8 +40,4 @@ struct TraceJob
 AccelScene measure_structures(const std::string& name, const PackedScene& scene, const Camera& camera,
                               const TraceJob& job, std::vector<std::string>& failures);
 
-// CPU time so far: of this thread, and of the whole process.
-double thread_cpu_seconds();
-double process_cpu_seconds();
-
 } // namespace snell::app

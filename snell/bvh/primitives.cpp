@@ -42,15 +42,20 @@ static float outwards(float x, float away)
     return std::nextafter(x, away);
 }
 
+Box sphere_box(const Sphere& ball)
+{
+    Box box;
+    for (int axis = 0; axis < 3; ++axis) {
+        box.lower[axis] = outwards(ball.center[axis] - std::abs(ball.radius), -infinity()) + 0.0f;
+        box.upper[axis] = outwards(ball.center[axis] + std::abs(ball.radius), infinity()) + 0.0f;
+    }
+    return is_finite3(box.lower) && is_finite3(box.upper) ? box : Box();
+}
+
 static PrimitiveRef sphere_ref(const PackedScene& scene, std::size_t index)
 {
-    const Sphere& ball = scene.spheres[index];
-    vec3 lower, upper;
-    for (int axis = 0; axis < 3; ++axis) {
-        lower[axis] = outwards(ball.center[axis] - std::abs(ball.radius), -infinity());
-        upper[axis] = outwards(ball.center[axis] + std::abs(ball.radius), infinity());
-    }
-    return make_ref(lower, upper, index, RefKind::sphere);
+    const Box box = sphere_box(scene.spheres[index]);
+    return make_ref(box.lower, box.upper, index, RefKind::sphere);
 }
 
 std::vector<PrimitiveRef> collect_primitives(const PackedScene& scene, const PackedGroup& group)

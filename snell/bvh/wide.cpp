@@ -300,17 +300,26 @@ WideTree<Node> make_top_tree(const PackedScene& scene, const WideBvh<Node>& bvh,
 }
 
 template <class Node>
+WideTree<Node> make_group_tree(const PackedScene& scene, const PackedGroup& group, const BuildOptions& options,
+                               const TreeCache& cache, CacheUse* use)
+{
+    std::vector<PrimitiveRef> refs = collect_primitives(scene, group);
+    const std::size_t left_out = std::size_t{group.triangle_count} + group.sphere_count - refs.size();
+    WideTree<Node> tree = make_wide_tree<Node>(scene, build_cached(scene, std::move(refs), options, cache, use));
+    tree.left_out = left_out;
+    return tree;
+}
+
+template <class Node>
 WideBvh<Node> make_wide(const PackedScene& scene, const BuildOptions& options, const TreeCache& cache, CacheUse* use)
 {
     WideBvh<Node> bvh;
-    const auto build = [&](const PackedGroup& group, CacheUse& its_use) {
-        return make_wide_tree<Node>(scene,
-                                    build_cached(scene, collect_primitives(scene, group), options, cache, &its_use));
-    };
     std::vector<CacheUse> uses(scene.groups.size() + 1);
-    bvh.world = build(scene.world, uses.back());
+    bvh.world = make_group_tree<Node>(scene, scene.world, options, cache, &uses.back());
     bvh.groups.resize(scene.groups.size());
-    parallel_for(scene.groups.size(), [&](std::size_t i) { bvh.groups[i] = build(scene.groups[i], uses[i]); });
+    parallel_for(scene.groups.size(), [&](std::size_t i) {
+        bvh.groups[i] = make_group_tree<Node>(scene, scene.groups[i], options, cache, &uses[i]);
+    });
     if (!scene.instances.empty()) bvh.top = make_top_tree(scene, bvh, options);
     if (use != nullptr)
         for (const CacheUse& one : uses)
@@ -322,6 +331,8 @@ WideBvh<Node> make_wide(const PackedScene& scene, const BuildOptions& options, c
     template struct WideBvh<Node>;                                                                                     \
     template WideTree<Node> make_wide_tree<Node>(const PackedScene&, const BinaryTree&, std::span<const Below>);       \
     template WideTree<Node> make_top_tree<Node>(const PackedScene&, const WideBvh<Node>&, const BuildOptions&);        \
+    template WideTree<Node> make_group_tree<Node>(const PackedScene&, const PackedGroup&, const BuildOptions&,         \
+                                                  const TreeCache&, CacheUse*);                                        \
     template WideBvh<Node> make_wide<Node>(const PackedScene&, const BuildOptions&, const TreeCache&, CacheUse*);
 SNELL_INSTANTIATE(Node2)
 SNELL_INSTANTIATE(Node4)

@@ -35,6 +35,7 @@ struct WideTree
     uint stack_size = 0;
     double sah_cost = 0; // expected cost of a ray that enters the box
     std::size_t leaves = 0;
+    std::size_t left_out = 0; // primitives that are not in the tree, for they were not finite when it was built
 
     std::size_t bytes() const
     {
@@ -74,6 +75,11 @@ WideTree<Node> make_wide_tree(const PackedScene& scene, const BinaryTree& tree, 
 // The tree over the instances of a scene and the world's tree, once the others are there.
 template <class Node>
 WideTree<Node> make_top_tree(const PackedScene& scene, const WideBvh<Node>& bvh, const BuildOptions& options);
+
+// The tree of a group or the world, of what is in it now.
+template <class Node>
+WideTree<Node> make_group_tree(const PackedScene& scene, const PackedGroup& group, const BuildOptions& options,
+                               const TreeCache& cache = {}, CacheUse* use = nullptr);
 
 // Collects, builds and converts all of a scene; trees that the cache has are not built.
 template <class Node>

@@ -1,9 +1,13 @@
 #include "snell/bvh/wide_accel.h"
 
+#include "snell/bvh/refit.h"
 #include "snell/bvh/simd/ray_state.h"
 #include "snell/bvh/simd/traverse.h"
 #include "snell/core/error.h"
+#include "snell/core/parallel.h"
 #include "snell/core/timer.h"
+
+#include <algorithm>
 
 namespace snell {
 namespace {
@@ -44,7 +48,21 @@ class WideAccel : public Accel
 
     void update(const PackedChanges& changes) override
     {
-        if (changes.any()) build({}); // what moves is built for one frame, and so not kept
+        const Timer timer;
+        stats.refitted = stats.rebuilt = 0;
+        if (changes.any()) {
+            std::vector<std::uint8_t> refitted(changes.groups.size(), 0);
+            parallel_for(changes.groups.size(), [&](std::size_t i) {
+                const uint group = changes.groups[i];
+                refitted[i] = follow(bvh.groups[group], scene.groups[group], built_costs[group]) ? 1 : 0;
+            });
+            if (changes.world) refitted.push_back(follow(bvh.world, scene.world, built_costs.back()) ? 1 : 0);
+            stats.refitted = static_cast<std::size_t>(std::count(refitted.begin(), refitted.end(), 1));
+            stats.rebuilt = refitted.size() - stats.refitted;
+            if (!scene.instances.empty()) bvh.top = make_top_tree(scene, bvh, options.build);
+            settle();
+        }
+        stats.build_seconds = timer.seconds();
     }
 
     void intersect(std::span<const Ray> rays, std::span<Hit> hits) const override
@@ -95,6 +113,7 @@ class WideAccel : public Accel
     const PackedScene& scene;
     const AccelOptions options;
     WideBvh<Node> bvh;
+    std::vector<double> built_costs; // of the trees of groups and of the world, when they were last built
     TraceInput<Node> input;
 
     void build(const TreeCache& cache)
@@ -102,10 +121,28 @@ class WideAccel : public Accel
         const Timer timer;
         CacheUse use;
         bvh = make_wide<Node>(scene, options.build, cache, &use);
+        for (const WideTree<Node>& group : bvh.groups) built_costs.push_back(group.sah_cost);
+        built_costs.push_back(bvh.world.sah_cost);
         stats.loaded = use.loaded;
         stats.refused = use.refused;
         stats.build_seconds = timer.seconds();
         settle();
+    }
+
+    // A tree whose primitives have moved: false: it was built anew. What moves is built for a few frames, and so not
+    // kept in the cache.
+    bool follow(WideTree<Node>& tree, const PackedGroup& group, double& built_cost)
+    {
+        // What was not finite when the tree was built has no place in it.
+        if (options.update != UpdatePolicy::rebuild && tree.root != word_done && tree.left_out == 0) {
+            refit(scene, tree);
+            const bool is_good =
+                options.update == UpdatePolicy::refit || tree.sah_cost <= options.rebuild_factor * built_cost;
+            if (is_good && !tree.box.empty()) return true;
+        }
+        tree = make_group_tree<Node>(scene, group, options.build);
+        built_cost = tree.sah_cost;
+        return false;
     }
 
     // What follows from the trees.

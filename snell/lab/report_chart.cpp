@@ -27,7 +27,8 @@ struct Axis
 
     double at(double value) const
     {
-        const double part = logarithmic ? std::log(value / low) / std::log(high / low) : (value - low) / (high - low);
+        const double part = logarithmic ? (std::log(value) - std::log(low)) / (std::log(high) - std::log(low))
+                                        : (value - low) / (high - low);
         return pixel_low + part * (pixel_high - pixel_low);
     }
 };
@@ -73,8 +74,9 @@ std::vector<double> ticks_of(const Axis& axis)
 {
     std::vector<double> ticks;
     if (axis.logarithmic) {
-        const double decades = std::log10(axis.high / axis.low);
-        for (double power = std::floor(std::log10(axis.low)); power <= std::log10(axis.high); power += 1)
+        const double decades = std::log10(axis.high) - std::log10(axis.low);
+        const double step = std::max(1.0, std::ceil(decades / 10));
+        for (double power = std::floor(std::log10(axis.low)); power <= std::log10(axis.high); power += step)
             for (const double factor : {1.0, 2.0, 5.0}) {
                 if (factor != 1.0 && decades > 2.5) continue;
                 const double tick = factor * std::pow(10.0, power);

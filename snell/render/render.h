@@ -56,7 +56,8 @@ struct Prepared
     std::unique_ptr<MotionMap> motion;          // with RenderSettings::keep_motion
 
     // Follows the scene, from prepare() with keep_motion, into another pose(): what did not move is not touched. Every
-    // picture is then what it would be had the scene been prepared in this pose, bit for bit.
+    // picture is then what it would be had the scene been prepared in this pose, bit for bit (but for the steps of rays
+    // through trees that were refitted).
     void update(const Scene& scene);
 };
 

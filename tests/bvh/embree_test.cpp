@@ -8,6 +8,11 @@
 
 #include <cstring>
 
+#ifdef SNELL_HAS_EMBREE
+#include "snell/bvh/embree_rays.h"
+#include "snell/bvh/embree_scene.h"
+#endif
+
 namespace snell::test {
 namespace {
 
@@ -174,6 +179,57 @@ TEST(Embree, AgreesOnHostileRays)
     for (vec3& p : far_off.positions) p += vec3(1e4f, -1e4f, 5e3f);
     Random again(6);
     expect_agreement(far_off, random_rays(again, 1000, 1.0f, vec3(1e4f, -1e4f, 5e3f)), 1);
+}
+
+// Intervals that end before the origin, or begin there, with the scene before and behind it.
+TEST(Embree, LooksBehindTheOrigin)
+{
+    const PackedScene scene = everything();
+    Random random(11);
+    std::vector<Ray> rays;
+    for (int i = 0; i < 1000; ++i) {
+        Ray ray = ray_between(3.0f * random.direction(), random.in_box(0.5f));
+        if (i % 2 == 1) ray.direction = -ray.direction;
+        ray.t_min = random.range(-3.0f, 0.0f);
+        ray.t_max = i % 3 == 0 ? random.range(-1.0f, 1.0f) : 0.0f;
+        rays.push_back(ray);
+    }
+    expect_agreement(scene, rays, 0);
+}
+
+// The scene by itself, as benchmarks use it: a filter that refuses the near side of a sphere is asked about the far
+// one, for single rays and packets, and for shadows.
+TEST(EmbreeScene, FiltersAreAskedAboutBothSidesOfSpheres)
+{
+    PackedScene scene;
+    add_sphere(scene, vec3(0.0f), 1.0f);
+    end_world(scene);
+    EmbreeSceneOptions options;
+    options.filter = true;
+    const EmbreeScene embree(scene, options);
+    RTCIntersectContext context;
+    rtcInitIntersectContext(&context);
+    context.filter = [](const RTCFilterFunctionNArguments* a) {
+        for (uint i = 0; i < a->N; ++i)
+            if (RTCRayN_tfar(a->ray, a->N, i) < 3.5f) a->valid[i] = 0;
+    };
+    const Ray ray = make_ray(vec3(0.0f, 0.0f, 4.0f), vec3(0.0f, 0.0f, -1.0f), infinity());
+    RTCRayHit query = to_query(ray);
+    rtcIntersect1(embree.handle(), &context, &query);
+    const Hit hit = to_hit(scene, query, ray.t_max);
+    EXPECT_EQ(hit.t, 5.0f);
+    EXPECT_EQ(hit.primitive, pack_primitive(kind_sphere, 0));
+    EXPECT_EQ(hit.instance, none);
+    RTCRay shadow = to_embree(ray);
+    rtcOccluded1(embree.handle(), &context, &shadow);
+    EXPECT_LT(shadow.tfar, 0.0f);
+    shadow = to_embree(make_ray(ray.origin, ray.direction, 4.5f));
+    rtcOccluded1(embree.handle(), &context, &shadow);
+    EXPECT_GT(shadow.tfar, 0.0f);
+    context.filter = nullptr;
+    query = to_query(ray);
+    rtcIntersect1(embree.handle(), &context, &query);
+    EXPECT_EQ(query.ray.tfar, 3.0f);
 }
 
 // Straight onto vertices and edges of a grid: no hole inside of it, whichever of the triangles is found.

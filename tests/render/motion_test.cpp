@@ -19,6 +19,14 @@ RenderSettings moving_picture(const std::string& integrator)
 
 const float moments[] = {0.0f, 0.4f, 1.0f, 1.8f, 0.2f};
 
+// All but the steps of rays, which are those of another tree once one was refitted.
+void expect_same_but_steps(Film a, const Film& b)
+{
+    EXPECT_EQ(a.layers.steps.size(), b.layers.steps.size());
+    a.layers.steps = b.layers.steps;
+    expect_same_film(a, b);
+}
+
 void expect_update_is_anew(Scene scene, const RenderSettings& settings)
 {
     pose(scene, first_animation, 1.5f);
@@ -28,7 +36,7 @@ void expect_update_is_anew(Scene scene, const RenderSettings& settings)
         pose(scene, first_animation, seconds);
         prepared->update(scene);
         EXPECT_TRUE(prepared->updated);
-        expect_same_film(render(*prepared, settings).film, render(scene, settings).film);
+        expect_same_but_steps(render(*prepared, settings).film, render(scene, settings).film);
     }
 }
 
