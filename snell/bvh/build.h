@@ -47,6 +47,10 @@ BinaryTree build_tree(const PackedScene& scene, std::vector<PrimitiveRef> refs, 
 
 // ---- the builders; scene is what the references refer to ----
 
+// The default: binned with two rounds of reinsertion, unless options.reinsertion asks for others; for small scenes also
+// sbvh, and the one that promises to be faster to trace.
+BinaryTree build_auto(const PackedScene& scene, std::vector<PrimitiveRef> refs, const BuildOptions& options);
+
 // Binned surface area heuristic (Wald 2007, On fast Construction of SAH-based Bounding Volume Hierarchies), in
 // parallel.
 BinaryTree build_binned_sah(const PackedScene& scene, std::vector<PrimitiveRef> refs, const BuildOptions& options);

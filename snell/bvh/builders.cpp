@@ -10,6 +10,7 @@
 namespace snell {
 
 static constexpr std::array registry = {
+    BuilderInfo{"auto", "binned with two rounds of reinsertion, or sbvh where that promises more", build_auto},
     BuilderInfo{"binned", "surface area heuristic over bins (Wald 2007)", build_binned_sah},
     BuilderInfo{"sweep", "surface area heuristic over all splits: the reference (Wald and Havran 2006)",
                 build_sweep_sah},

@@ -12,9 +12,9 @@
 namespace snell {
 
 static const std::array<std::string, 7> keys = {
-    "builder=binned  how the tree is built: see 'snell list'",
+    "builder=auto  how the tree is built: see 'snell list'",
     "split_budget=0.25  sbvh: references it may add, as a part of the primitives",
-    "reinsertion=0  rounds of reinsertion after building, 0 to 100",
+    "reinsertion=0  rounds of reinsertion after building, 0 to 100 (auto does two by itself)",
     "traversal=auto  auto, single, packets or stream",
     "triangle_test=watertight  watertight or moller_trumbore",
     "update=auto  what changes its shape: auto, refit or rebuild",

@@ -24,7 +24,7 @@ double half_area(const WideBox& wide)
 
 double blocks(std::size_t count)
 {
-    return static_cast<double>((count + max_leaf_size - 1) / max_leaf_size);
+    return static_cast<double>(count) / max_leaf_size;
 }
 
 class SweepSplitter
