@@ -129,7 +129,7 @@ class WideAccel : public Accel
         settle();
     }
 
-    // A tree whose primitives have moved: false: it was built anew. What moves is built for a few frames, and so not
+    // Makes a tree follow its primitives; false: it was built anew. What moves is built for a few frames, and so not
     // kept in the cache.
     bool follow(WideTree<Node>& tree, const PackedGroup& group, double& built_cost)
     {

@@ -65,7 +65,7 @@ struct PackedChanges
     bool any() const { return world || instances || !groups.empty(); }
 };
 
-// The scene must have passed validate().
+// The scene must have passed validate(). For scenes that will be posed again and again: repose.h.
 PackedScene pack(const Scene& scene);
 
 } // namespace snell

@@ -272,27 +272,32 @@ TEST(Refit, OnlyWhatChangedIsTouched)
     EXPECT_EQ(accel->stats.refitted, 0u) << "by the last update";
 }
 
+// Trees of many chunks of nodes, in every layout.
 TEST(Refit, TheSameForAnyNumberOfThreads)
 {
-    Random random(45);
-    PackedScene scene;
-    add_soup(scene, random, 60'000, 0.02f);
-    end_world(scene);
-    const std::unique_ptr<Accel> one = make(scene, UpdatePolicy::refit), two = make(scene, UpdatePolicy::refit);
-    Wave(scene).move(scene, 3.0f);
-    set_thread_count(1);
-    one->update(world_changes());
-    set_thread_count(4);
-    two->update(world_changes());
-    set_thread_count(0);
-    EXPECT_EQ(one->stats.sah_cost, two->stats.sah_cost);
-    const std::vector<Ray> rays = random_rays(random, 3000);
-    std::vector<Hit> hits_one(rays.size()), hits_two(rays.size());
-    std::vector<uint> steps_one(rays.size()), steps_two(rays.size());
-    one->intersect_counted(rays, hits_one, steps_one);
-    two->intersect_counted(rays, hits_two, steps_two);
-    EXPECT_EQ(steps_one, steps_two);
-    EXPECT_EQ(std::memcmp(hits_one.data(), hits_two.data(), rays.size() * sizeof(Hit)), 0);
+    for (const std::string_view name : layouts) {
+        SCOPED_TRACE(name);
+        Random random(45);
+        PackedScene scene;
+        add_soup(scene, random, 30'000, 0.03f);
+        end_world(scene);
+        const auto one = make(scene, UpdatePolicy::refit, name), two = make(scene, UpdatePolicy::refit, name);
+        Wave(scene).move(scene, 3.0f);
+        set_thread_count(1);
+        one->update(world_changes());
+        set_thread_count(4);
+        two->update(world_changes());
+        set_thread_count(0);
+        EXPECT_EQ(one->stats.sah_cost, two->stats.sah_cost);
+        const std::vector<Ray> rays = random_rays(random, 2000);
+        std::vector<Hit> hits_one(rays.size()), hits_two(rays.size());
+        std::vector<uint> steps_one(rays.size()), steps_two(rays.size());
+        one->intersect_counted(rays, hits_one, steps_one);
+        two->intersect_counted(rays, hits_two, steps_two);
+        EXPECT_EQ(steps_one, steps_two);
+        EXPECT_EQ(std::memcmp(hits_one.data(), hits_two.data(), rays.size() * sizeof(Hit)), 0);
+        expect_same_answers(*one, *make(scene, UpdatePolicy::refit, name), rays);
+    }
 }
 
 // A refit of what has not moved gives the tree that was built: the same boxes, hence the same steps.
