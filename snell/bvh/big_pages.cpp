@@ -13,7 +13,7 @@ namespace snell {
 void* allocate_big(std::size_t bytes)
 {
     constexpr std::size_t huge = std::size_t{2} << 20;
-    const std::size_t alignment = bytes >= 2 * huge ? huge : 64;
+    const std::size_t alignment = bytes >= 2 * huge ? huge : 256; // the largest that a node wants
     const std::size_t rounded = (bytes + alignment - 1) / alignment * alignment;
     void* memory = std::aligned_alloc(alignment, rounded);
     if (!memory) throw std::bad_alloc();

@@ -7,7 +7,7 @@
 
 namespace snell {
 
-// Aligned to 64 bytes; blocks of several MiB are aligned to 2 MiB and, on Linux, marked for huge pages: a random read
+// Aligned to 256 bytes; blocks of several MiB are aligned to 2 MiB and, on Linux, marked for huge pages: a random read
 // then seldom waits for the page table.
 void* allocate_big(std::size_t bytes);
 void free_big(void* memory);
