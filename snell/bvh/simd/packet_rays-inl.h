@@ -8,19 +8,24 @@
 
 #include "snell/bvh/simd/nodes-inl.h"
 
+#include <utility>
+
 HWY_BEFORE_NAMESPACE();
 namespace snell {
 namespace HWY_NAMESPACE {
 
 namespace hn = hwy::HWY_NAMESPACE;
 
-constexpr uint packet_size = 16;
+constexpr uint packet_size = 64;
+
+// A lane for each ray, as bits.
+using Lanes = std::uint64_t;
 
 // Rays side by side. Lanes without a ray, and those that have found what they looked for, have best = -infinity: no
 // box and no triangle is as near as that.
 struct alignas(64) Packet
 {
-    using Tag = hn::CappedTag<float, packet_size>;
+    using Tag = hn::CappedTag<float, 16>;
 
     float origin[3][packet_size], direction[3][packet_size];                     // x, y, z
     float inverse[3][packet_size], enter[3][packet_size], leave[3][packet_size]; // as in RayState
@@ -35,60 +40,115 @@ struct alignas(64) Packet
 };
 
 // What all rays of a packet have in common, as intervals: from where to where they start and how steep they are. One
-// slab test with these, on the eight children of a node at once, leaves out most of those that no ray meets.
-// Distances are taken as (plane - origin) * inverse here: as a difference of two products they would be as uncertain
-// as the slopes times the distance from the world's origin. The roundings are then those of the difference, the
-// product and the reciprocal, 3 u reach in the terms of RayState, and 2 u |origin|; the slack is twice that of single
-// rays.
-template <class Node>
+// slab test with these, on the eight children of a node or the eight triangles of a leaf at once, leaves out most of
+// those that no ray meets. Distances are taken as (plane - origin) * inverse here: as a difference of two products they
+// would be as uncertain as the slopes times the distance from the world's origin. The roundings are then those of the
+// difference, the product and the reciprocal, 3 u reach in the terms of RayState, and 2 u |origin|; the slack is twice
+// that of single rays.
 struct PacketBounds
 {
-    using Tag = NodeTag<Node>;
-    using Vec = hn::Vec<Tag>;
-    Vec enter_from[3], leave_from[3]; // the origins, moved back or forth, that enter first and leave last
-    Vec least[3], most[3];            // of inverse
-    Vec t_min;
+    float enter_from[3], leave_from[3]; // the origins, moved back or forth, that enter first and leave last
+    float least[3], most[3];            // of inverse
+    float t_min;
     uint row[3]; // of planes where the rays enter
 };
 
+// Runs part(first lane) for each vector of the packet that holds a ray.
 template <class Part>
-HWY_INLINE void for_parts(const Part& part)
+HWY_INLINE void for_parts(const Packet& p, const Part& part)
 {
     constexpr uint n = hn::MaxLanes(Packet::Tag());
-    for (uint i = 0; i < packet_size; i += n) part(i);
+    for (uint i = 0; i < p.count; i += n) part(i);
 }
 
-// Bits of 16 lanes from masks that arrive in parts.
-HWY_INLINE uint packet_bits(uint first, hn::Mask<Packet::Tag> mask)
+// Likewise for each vector that holds one of these lanes.
+template <class Part>
+HWY_INLINE void for_parts_of(Lanes lanes, const Part& part)
+{
+    constexpr uint n = hn::MaxLanes(Packet::Tag());
+    while (lanes != 0) {
+        const uint i = static_cast<uint>(hwy::Num0BitsBelowLS1Bit_Nonzero64(lanes)) / n * n;
+        lanes &= ~(((Lanes{1} << n) - 1) << i);
+        part(i);
+    }
+}
+
+HWY_INLINE Lanes all_lanes(const Packet& p)
+{
+    return ~Lanes{0} >> (packet_size - p.count);
+}
+
+// The lanes of a vector that begins at `first`.
+HWY_INLINE Lanes packet_lanes(uint first, hn::Mask<Packet::Tag> mask)
 {
     std::uint8_t bits[8] = {};
     hn::StoreMaskBits(Packet::Tag(), mask, bits);
-    return (bits[0] | static_cast<uint>(bits[1]) << 8) << first;
+    return static_cast<Lanes>(bits[0] | static_cast<uint>(bits[1]) << 8) << first;
 }
 
-HWY_INLINE float least_of(const float (&x)[packet_size])
+HWY_INLINE float least_of(const Packet& p, const float (&x)[packet_size])
 {
     const Packet::Tag d;
     auto r = hn::Load(d, x);
-    for_parts([&](uint i) HWY_ATTR { r = hn::Min(r, hn::Load(d, x + i)); });
+    for_parts(p, [&](uint i) HWY_ATTR { r = hn::Min(r, hn::Load(d, x + i)); });
     return hn::GetLane(hn::MinOfLanes(d, r));
 }
 
-HWY_INLINE float most_of(const float (&x)[packet_size])
+HWY_INLINE float most_of(const Packet& p, const float (&x)[packet_size])
 {
     const Packet::Tag d;
     auto r = hn::Load(d, x);
-    for_parts([&](uint i) HWY_ATTR { r = hn::Max(r, hn::Load(d, x + i)); });
+    for_parts(p, [&](uint i) HWY_ATTR { r = hn::Max(r, hn::Load(d, x + i)); });
     return hn::GetLane(hn::MaxOfLanes(d, r));
 }
 
+// Puts four rays side by side.
+HWY_INLINE void put_four(Packet& p, uint first, const Ray* const (&rays)[4])
+{
+    const hn::FixedTag<float, 4> d;
+    const auto turn = [&](auto load, float* x, float* y, float* z, float* w) HWY_ATTR {
+        const auto a = load(0), b = load(1), c = load(2), e = load(3);
+        const auto xy_even = hn::InterleaveLower(a, c), zw_even = hn::InterleaveUpper(d, a, c);
+        const auto xy_odd = hn::InterleaveLower(b, e), zw_odd = hn::InterleaveUpper(d, b, e);
+        hn::Store(hn::InterleaveLower(xy_even, xy_odd), d, x + first);
+        hn::Store(hn::InterleaveUpper(d, xy_even, xy_odd), d, y + first);
+        hn::Store(hn::InterleaveLower(zw_even, zw_odd), d, z + first);
+        hn::Store(hn::InterleaveUpper(d, zw_even, zw_odd), d, w + first);
+    };
+    turn([&](int i) HWY_ATTR { return hn::LoadU(d, &rays[i]->origin.x); }, p.origin[0], p.origin[1], p.origin[2],
+         p.t_min);
+    turn([&](int i) HWY_ATTR { return hn::LoadU(d, &rays[i]->direction.x); }, p.direction[0], p.direction[1],
+         p.direction[2], p.t);
+}
+
+// What lanes have found before they begin: t is their t_max.
+HWY_INLINE void set_missed(Packet& p)
+{
+    const Packet::Tag d;
+    const hn::RebindToUnsigned<Packet::Tag> du;
+    const hn::RebindToSigned<Packet::Tag> di;
+    for_parts(p, [&](uint i) HWY_ATTR {
+        const auto t = hn::Load(d, p.t + i);
+        const auto bits = hn::BitCast(di, t);
+        const auto zero = hn::Zero(d);
+        const auto below_zero = hn::IfThenElse(hn::Lt(t, zero), hn::BitCast(d, hn::Add(bits, hn::Set(di, 1))),
+                                               hn::BitCast(d, hn::Set(du, 0x80000001u)));
+        // float_before()
+        const auto before = hn::IfThenElse(hn::Gt(t, zero), hn::BitCast(d, hn::Sub(bits, hn::Set(di, 1))), below_zero);
+        hn::Store(hn::IfThenElse(hn::FirstN(d, p.count - i), before, hn::Set(d, -INFINITY)), d, p.best + i);
+        hn::Store(zero, d, p.u + i);
+        hn::Store(zero, d, p.v + i);
+        hn::Store(hn::Set(du, none), du, p.primitive + i);
+        hn::Store(hn::Set(du, none), du, p.instance + i);
+    });
+}
+
 // The same as enter_space() for the rays that are in the packet, in world space.
-template <class Node>
-HWY_INLINE PacketBounds<Node> enter_world(Packet& p, const Box& box)
+HWY_INLINE PacketBounds enter_world(Packet& p, const Box& box)
 {
     const Packet::Tag d;
     alignas(64) float enter_from[3][packet_size], leave_from[3][packet_size];
-    for_parts([&](uint i) HWY_ATTR {
+    for_parts(p, [&](uint i) HWY_ATTR {
         auto reach = hn::Zero(d), coordinate = hn::Zero(d);
         for (int axis = 0; axis < 3; ++axis) {
             const auto origin = hn::Load(d, p.origin[axis] + i);
@@ -115,35 +175,60 @@ HWY_INLINE PacketBounds<Node> enter_world(Packet& p, const Box& box)
         hn::Store(hn::Div(hn::Load(d, p.direction[p.ky] + i), z), d, p.shear[1] + i);
         hn::Store(hn::Div(hn::Set(d, 1.0f), z), d, p.shear[2] + i);
     });
-    const NodeTag<Node> dn;
-    PacketBounds<Node> b;
-    b.t_min = hn::Set(dn, least_of(p.t_min));
+    PacketBounds b;
+    b.t_min = least_of(p, p.t_min);
     for (int axis = 0; axis < 3; ++axis) {
         const bool negative = (p.octant >> axis & 1u) != 0;
         b.row[axis] = 2 * static_cast<uint>(axis) + negative;
-        b.enter_from[axis] = hn::Set(dn, negative ? least_of(enter_from[axis]) : most_of(enter_from[axis]));
-        b.leave_from[axis] = hn::Set(dn, negative ? most_of(leave_from[axis]) : least_of(leave_from[axis]));
-        b.least[axis] = hn::Set(dn, least_of(p.inverse[axis]));
-        b.most[axis] = hn::Set(dn, most_of(p.inverse[axis]));
+        b.enter_from[axis] = negative ? least_of(p, enter_from[axis]) : most_of(p, enter_from[axis]);
+        b.leave_from[axis] = negative ? most_of(p, leave_from[axis]) : least_of(p, leave_from[axis]);
+        b.least[axis] = least_of(p, p.inverse[axis]);
+        b.most[axis] = most_of(p, p.inverse[axis]);
     }
     return b;
 }
 
-// Children, as bits from far to near in the node's order, that some ray of the packet may meet.
+// The same bounds in every lane.
+template <class D>
+struct BoundVectors
+{
+    using Vec = hn::Vec<D>;
+    HWY_INLINE BoundVectors(D d, const PacketBounds& b, float best)
+        : enter_from{hn::Set(d, b.enter_from[0]), hn::Set(d, b.enter_from[1]), hn::Set(d, b.enter_from[2])},
+          leave_from{hn::Set(d, b.leave_from[0]), hn::Set(d, b.leave_from[1]), hn::Set(d, b.leave_from[2])},
+          least{hn::Set(d, b.least[0]), hn::Set(d, b.least[1]), hn::Set(d, b.least[2])},
+          most{hn::Set(d, b.most[0]), hn::Set(d, b.most[1]), hn::Set(d, b.most[2])}, t_min(hn::Set(d, b.t_min)),
+          farthest(hn::Set(d, best))
+    {
+    }
+
+    // Where the first ray may enter and the last may leave a box, which is entered and left through these planes.
+    HWY_INLINE void clip(int axis, Vec near, Vec far, Vec& enter, Vec& leave) const
+    {
+        const auto x = hn::Sub(near, enter_from[axis]), y = hn::Sub(far, leave_from[axis]);
+        enter = hn::Max(enter, hn::Min(hn::Mul(x, least[axis]), hn::Mul(x, most[axis])));
+        leave = hn::Min(leave, hn::Max(hn::Mul(y, least[axis]), hn::Mul(y, most[axis])));
+    }
+
+    const Vec enter_from[3], leave_from[3], least[3], most[3], t_min, farthest;
+};
+
+// Children, as bits from far to near in the node's order, that some ray of the packet may meet; and, by child, where
+// the first may enter.
 template <class Node>
-HWY_INLINE uint children_in_bounds(const Node& node, uint order, const PacketBounds<Node>& b, float best)
+HWY_INLINE uint children_in_bounds(const Node& node, uint order, const PacketBounds& b, float best,
+                                   float (&enters)[Node::width])
 {
     const NodeTag<Node> d;
     constexpr std::size_t n = hn::MaxLanes(d);
+    const BoundVectors bounds(d, b, best);
     uint bits = 0;
     for (std::size_t first = 0; first < Node::width; first += n) {
-        auto enter = b.t_min, leave = hn::Set(d, best);
-        for (int axis = 0; axis < 3; ++axis) {
-            const auto x = hn::Sub(load_planes(d, node, b.row[axis], first), b.enter_from[axis]);
-            const auto y = hn::Sub(load_planes(d, node, b.row[axis] ^ 1u, first), b.leave_from[axis]);
-            enter = hn::Max(enter, hn::Min(hn::Mul(x, b.least[axis]), hn::Mul(x, b.most[axis])));
-            leave = hn::Min(leave, hn::Max(hn::Mul(y, b.least[axis]), hn::Mul(y, b.most[axis])));
-        }
+        auto enter = bounds.t_min, leave = bounds.farthest;
+        for (int axis = 0; axis < 3; ++axis)
+            bounds.clip(axis, load_planes(d, node, b.row[axis], first), load_planes(d, node, b.row[axis] ^ 1u, first),
+                        enter, leave);
+        hn::Store(enter, d, enters + first);
         const auto met = hn::Le(enter, leave);
         if constexpr (n == Node::width) {
             const hn::RebindToUnsigned<NodeTag<Node>> du;
@@ -167,6 +252,29 @@ HWY_INLINE float plane_of(const FloatNode<width>& node, uint row, uint child)
 HWY_INLINE float plane_of(const QuantisedNode& node, uint row, uint child)
 {
     return (&node.origin.x)[row / 2] + (&node.scale.x)[row / 2] * static_cast<float>(node.planes[row][child]);
+}
+
+// Those of `lanes` whose ray meets the box of a child.
+template <class Node>
+HWY_INLINE Lanes lanes_in_box(const Packet& p, const PacketBounds& bounds, const Node& node, uint child, Lanes lanes)
+{
+    const Packet::Tag d;
+    hn::Vec<Packet::Tag> near[3], far[3];
+    for (int axis = 0; axis < 3; ++axis) {
+        near[axis] = hn::Set(d, plane_of(node, bounds.row[axis], child));
+        far[axis] = hn::Set(d, plane_of(node, bounds.row[axis] ^ 1u, child));
+    }
+    Lanes met = 0;
+    for_parts_of(lanes, [&](uint i) HWY_ATTR {
+        auto enter = hn::Load(d, p.t_min + i), leave = hn::Load(d, p.best + i);
+        for (int axis = 0; axis < 3; ++axis) {
+            const auto inverse = hn::Load(d, p.inverse[axis] + i);
+            enter = hn::Max(enter, hn::MulSub(near[axis], inverse, hn::Load(d, p.enter[axis] + i)));
+            leave = hn::Min(leave, hn::MulSub(far[axis], inverse, hn::Load(d, p.leave[axis] + i)));
+        }
+        met |= packet_lanes(i, hn::Le(enter, leave));
+    });
+    return met & lanes;
 }
 
 } // namespace HWY_NAMESPACE
