@@ -31,25 +31,35 @@ class PacketTracer
     // Rays of the same octant and longest axis wait for each other, neighbours in the batch first of all.
     void trace_all()
     {
+        if (bvh.first().root == word_done) {
+            for (std::size_t i = 0; i < rays.size(); ++i) trace_alone(i);
+            return;
+        }
+        Packet p;
         for (std::size_t begin = 0; begin < rays.size(); begin += packet_size) {
-            const std::size_t end = std::min(rays.size(), begin + packet_size);
-            for (std::size_t i = begin; i < end; ++i) {
-                const Ray& ray = rays[i];
-                if (!is_traceable(ray) || bvh.first().root == word_done) {
-                    trace_alone(i);
+            Waiting block;
+            block.count = static_cast<uint>(std::min<std::size_t>(rays.size() - begin, packet_size));
+            for (uint i = 0; i < block.count; ++i) block.ray[i] = static_cast<uint>(begin) + i;
+            gather(p, block);
+            alignas(64) uint kinds[packet_size];
+            kinds_of(p, kinds);
+            if (kinds[0] != no_kind && is_all_one(p, kinds)) {
+                trace_packet(p);
+                continue;
+            }
+            for (uint i = 0; i < block.count; ++i) {
+                if (kinds[i] == no_kind) {
+                    trace_alone(block.ray[i]);
                     continue;
                 }
-                const vec3 d = ray.direction;
-                const uint octant =
-                    floatBitsToUint(d.x) >> 31 | floatBitsToUint(d.y) >> 31 << 1 | floatBitsToUint(d.z) >> 31 << 2;
-                Waiting& group = waiting[octant * 3 + static_cast<uint>(longest_axis(d))];
-                group.ray[group.count++] = static_cast<uint>(i);
-                if (group.count == packet_size) trace_group(group);
+                Waiting& group = waiting[kinds[i]];
+                group.ray[group.count++] = block.ray[i];
+                if (group.count == packet_size) trace_group(p, group);
             }
             for (Waiting& group : waiting)
-                if (group.count >= enough_together) trace_group(group);
+                if (group.count >= enough_together) trace_group(p, group);
         }
-        for (Waiting& group : waiting) trace_group(group);
+        for (Waiting& group : waiting) trace_group(p, group);
     }
 
   private:
@@ -78,12 +88,12 @@ class PacketTracer
     Stacks stacks; // of a ray that goes its own way
     const Walker<query, TriangleTest::watertight, Node> walker;
     std::vector<Entry> entries;
-    Waiting waiting[24];
+    Waiting waiting[no_kind];
     State states[packet_size];
     Lanes prepared = 0; // those of the states that belong to the current packet's rays
 
     // Fewer than this are traced one by one.
-    static constexpr uint least_together = 3;
+    static constexpr uint least_together = query == Query::any ? 6 : 4;
     // As many do not wait for more: those would come from elsewhere.
     static constexpr uint enough_together = 16;
 
@@ -94,16 +104,13 @@ class PacketTracer
         finish(index, s.hit);
     }
 
-    void trace_group(Waiting& group)
+    void trace_group(Packet& p, Waiting& group)
     {
         if (group.count < least_together) {
             for (uint i = 0; i < group.count; ++i) trace_alone(group.ray[i]);
         } else {
-            Packet p;
             gather(p, group);
-            traverse_all(p);
-            for (uint lane = 0; lane < p.count; ++lane)
-                finish(p.ray_index[lane], Hit{p.t[lane], p.u[lane], p.v[lane], p.primitive[lane], p.instance[lane]});
+            trace_packet(p);
         }
         group.count = 0;
     }
@@ -112,25 +119,30 @@ class PacketTracer
     {
         p.count = group.count;
         // The vectors are filled up with copies of the first ray.
-        for (uint lane = 0; lane < group.count; lane += 4) {
+        const uint whole = (group.count + 15) / 16 * 16;
+        for (uint lane = 0; lane < whole; lane += 4) {
             const Ray* four[4];
             for (uint i = 0; i < 4; ++i) four[i] = &rays[group.ray[lane + i < group.count ? lane + i : 0]];
             put_four(p, lane, four);
         }
-        const uint whole = (group.count + 15) / 16 * 16;
-        for (uint lane = (group.count + 3) / 4 * 4; lane < whole; lane += 4) {
-            const Ray* const first = &rays[group.ray[0]];
-            put_four(p, lane, {first, first, first, first});
-        }
         std::copy(group.ray, group.ray + group.count, p.ray_index);
-        set_missed(p);
-        const vec3 d = rays[group.ray[0]].direction;
+    }
+
+    // The rays are there, all of one kind.
+    void trace_packet(Packet& p)
+    {
+        const vec3 d(p.direction[0][0], p.direction[1][0], p.direction[2][0]);
         p.octant = floatBitsToUint(d.x) >> 31 | floatBitsToUint(d.y) >> 31 << 1 | floatBitsToUint(d.z) >> 31 << 2;
         p.kz = longest_axis(d);
         p.kx = next_axis[p.kz];
         p.ky = next_axis[p.kx];
+        set_missed(p);
         if (!input.scene->planes.empty()) meet_planes(p);
         prepared = 0;
+        const PacketBounds bounds = enter_world(p, bvh.first().box);
+        traverse(p, bounds, bvh.first(), 0);
+        for (uint lane = 0; lane < p.count; ++lane)
+            finish(p.ray_index[lane], Hit{p.t[lane], p.u[lane], p.v[lane], p.primitive[lane], p.instance[lane]});
     }
 
     void meet_planes(Packet& p) const
@@ -188,12 +200,6 @@ class PacketTracer
         for (; lanes != 0; lanes &= lanes - 1)
             visit_alone(p, static_cast<uint>(hwy::Num0BitsBelowLS1Bit_Nonzero64(lanes)), tree,
                         [&](State& s) HWY_ATTR { visit_triangle_exactly<Query::closest>(block, triangle, s); });
-    }
-
-    void traverse_all(Packet& p)
-    {
-        const PacketBounds bounds = enter_world(p, bvh.first().box);
-        traverse(p, bounds, bvh.first(), 0);
     }
 
     // What the rays have of the stack begins at `base`.

@@ -121,6 +121,44 @@ HWY_INLINE void put_four(Packet& p, uint first, const Ray* const (&rays)[4])
          p.direction[2], p.t);
 }
 
+// What rays must agree on to travel together: three times the octant and the longest axis. Rays that are not
+// traceable: no_kind.
+constexpr uint no_kind = 24;
+HWY_INLINE void kinds_of(const Packet& p, uint (&kinds)[packet_size])
+{
+    const Packet::Tag d;
+    const hn::RebindToUnsigned<Packet::Tag> du;
+    for_parts(p, [&](uint i) HWY_ATTR {
+        const auto x = hn::Load(d, p.direction[0] + i), y = hn::Load(d, p.direction[1] + i);
+        const auto z = hn::Load(d, p.direction[2] + i);
+        const auto ax = hn::Abs(x), ay = hn::Abs(y), az = hn::Abs(z);
+        // is_traceable()
+        const auto most = hn::Set(d, 1.2676506002282294e30f), limit = hn::Set(d, FLT_MAX);
+        auto ok = hn::And(hn::And(hn::Le(ax, most), hn::Le(ay, most)), hn::Le(az, most));
+        ok = hn::And(ok, hn::Ge(hn::Max(ax, hn::Max(ay, az)), hn::Set(d, 7.8886090522101181e-31f)));
+        for (int axis = 0; axis < 3; ++axis)
+            ok = hn::And(ok, hn::Le(hn::Abs(hn::Load(d, p.origin[axis] + i)), limit));
+        ok = hn::And(ok, hn::Lt(hn::Load(d, p.t_min + i), hn::Load(d, p.t + i)));
+        const auto sign = [&](auto v) HWY_ATTR { return hn::ShiftRight<31>(hn::BitCast(du, v)); };
+        const auto octant = hn::Or(sign(x), hn::Or(hn::ShiftLeft<1>(sign(y)), hn::ShiftLeft<2>(sign(z))));
+        // longest_axis()
+        const auto is_x = hn::And(hn::Ge(ax, ay), hn::Ge(ax, az));
+        const auto axis = hn::IfThenElse(hn::RebindMask(du, is_x), hn::Zero(du),
+                                         hn::IfThenElse(hn::RebindMask(du, hn::Ge(ay, az)), hn::Set(du, 1), hn::Set(du, 2)));
+        const auto kind = hn::Add(hn::Add(octant, hn::ShiftLeft<1>(octant)), axis);
+        hn::Store(hn::IfThenElse(hn::RebindMask(du, ok), kind, hn::Set(du, no_kind)), du, kinds + i);
+    });
+}
+
+HWY_INLINE bool is_all_one(const Packet& p, const uint (&kinds)[packet_size])
+{
+    const hn::RebindToUnsigned<Packet::Tag> du;
+    bool same = true;
+    const auto first = hn::Set(du, kinds[0]);
+    for_parts(p, [&](uint i) HWY_ATTR { same = hn::AllTrue(du, hn::Eq(hn::Load(du, kinds + i), first)) && same; });
+    return same;
+}
+
 // What lanes have found before they begin: t is their t_max.
 HWY_INLINE void set_missed(Packet& p)
 {
