@@ -41,7 +41,7 @@ class PacketTracer
             block.count = static_cast<uint>(std::min<std::size_t>(rays.size() - begin, packet_size));
             for (uint i = 0; i < block.count; ++i) block.ray[i] = static_cast<uint>(begin) + i;
             gather(p, block);
-            alignas(64) uint kinds[packet_size];
+            alignas(64) uint kinds[packet_size] = {};
             kinds_of(p, kinds);
             if (kinds[0] != no_kind && is_all_one(p, kinds)) {
                 trace_packet(p);
@@ -60,6 +60,7 @@ class PacketTracer
                 if (group.count >= enough_together) trace_group(p, group);
         }
         for (Waiting& group : waiting) trace_group(p, group);
+        if (!rests.empty()) trace_rests();
     }
 
   private:
@@ -81,6 +82,17 @@ class PacketTracer
 
     using State = RayState<Node>;
 
+    // What is left to do of a ray that has left its packet.
+    struct Rest
+    {
+        static constexpr uint most = 14;
+        uint ray, count;
+        float best;
+        Hit hit;
+        ChildWord word[most]; // to visit, the nearest first
+        float enter[most];    // as in Entry
+    };
+
     const TraceInput<Node>& input;
     const WideBvh<Node>& bvh;
     const std::span<const Ray> rays;
@@ -92,7 +104,14 @@ class PacketTracer
     State states[packet_size];
     Lanes prepared = 0; // those of the states that belong to the current packet's rays
 
-    // Fewer than this are traced one by one.
+    // What the lanes in `left` do later on their own.
+    Lanes left = 0;
+    uint later_count[packet_size];
+    ChildWord later_word[packet_size][Rest::most];
+    float later_enter[packet_size][Rest::most];
+    std::vector<Rest> rests;
+
+    // Fewer than this go on alone: below an inner node, later and with many others in flight.
     static constexpr uint least_together = query == Query::any ? 6 : 4;
     // As many do not wait for more: those would come from elsewhere.
     static constexpr uint enough_together = 16;
@@ -102,6 +121,65 @@ class PacketTracer
         State& s = states[0];
         if (walker.start(s, index)) walk(walker, s);
         finish(index, s.hit);
+    }
+
+    // Puts off what is below a child for these lanes.
+    void leave(Packet& p, Lanes lanes, const WideTree<Node>& tree, const Entry& entry)
+    {
+        for (; lanes != 0; lanes &= lanes - 1) {
+            const auto lane = static_cast<uint>(hwy::Num0BitsBelowLS1Bit_Nonzero64(lanes));
+            if ((left >> lane & 1u) == 0) later_count[lane] = 0;
+            left |= Lanes{1} << lane;
+            if (later_count[lane] == Rest::most) {
+                visit_one_by_one(p, Lanes{1} << lane, tree, entry.word);
+                continue;
+            }
+            later_word[lane][later_count[lane]] = entry.word;
+            later_enter[lane][later_count[lane]++] = entry.enter;
+        }
+    }
+
+    // The packet is through: makes a Rest of what a lane put off. False if nothing counts any more.
+    bool put_off(const Packet& p, uint lane)
+    {
+        if (p.best[lane] == -INFINITY) return false;
+        Rest rest;
+        rest.ray = p.ray_index[lane];
+        rest.best = p.best[lane];
+        rest.hit = {p.t[lane], p.u[lane], p.v[lane], p.primitive[lane], p.instance[lane]};
+        rest.count = 0;
+        for (uint i = 0; i < later_count[lane]; ++i)
+            if (later_enter[lane][i] <= rest.best) {
+                rest.word[rest.count] = later_word[lane][i];
+                rest.enter[rest.count++] = later_enter[lane][i];
+            }
+        if (rest.count == 0) return false;
+        rests.push_back(rest);
+        return true;
+    }
+
+    HWY_NOINLINE void trace_rests()
+    {
+        const auto start = [&](const auto& w, State& s, std::size_t i) HWY_ATTR {
+            const Rest& rest = rests[i];
+            s.ray_index = rest.ray;
+            s.hit = rest.hit;
+            s.steps = 0;
+            s.stack_size = 0;
+            s.best = rest.best;
+            enter_space(s, rays[rest.ray], bvh.world, none);
+            w.push(s, word_done);
+            for (uint k = rest.count; k-- > 0;) {
+                s.stack[s.stack_size] = rest.word[k];
+                s.stack[s.stack_size + w.stride] = floatBitsToUint(rest.enter[k]);
+                ++s.stack_size;
+            }
+            s.current = s.stack[--s.stack_size];
+            return true;
+        };
+        trace_in_flight<query, TriangleTest::watertight>(
+            input, rays, rests.size(), Rest::most + 1, start, [&](const State& s) { finish(s.ray_index, s.hit); });
+        rests.clear();
     }
 
     void trace_group(Packet& p, Waiting& group)
@@ -138,11 +216,18 @@ class PacketTracer
         p.ky = next_axis[p.kx];
         set_missed(p);
         if (!input.scene->planes.empty()) meet_planes(p);
-        prepared = 0;
+        prepared = left = 0;
         const PacketBounds bounds = enter_world(p, bvh.first().box);
         traverse(p, bounds, bvh.first(), 0);
-        for (uint lane = 0; lane < p.count; ++lane)
+        for (Lanes rest = left; rest != 0; rest &= rest - 1) {
+            const auto lane = static_cast<uint>(hwy::Num0BitsBelowLS1Bit_Nonzero64(rest));
+            if (!put_off(p, lane)) left &= ~(Lanes{1} << lane);
+        }
+        for (Lanes rest = all_lanes(p) & ~left; rest != 0; rest &= rest - 1) {
+            const auto lane = static_cast<uint>(hwy::Num0BitsBelowLS1Bit_Nonzero64(rest));
             finish(p.ray_index[lane], Hit{p.t[lane], p.u[lane], p.v[lane], p.primitive[lane], p.instance[lane]});
+        }
+        if (rests.size() >= 512) trace_rests();
     }
 
     void meet_planes(Packet& p) const
@@ -221,6 +306,10 @@ class PacketTracer
             if (word <= child_index_mask) {
                 if (hwy::PopCount(lanes) >= least_together) {
                     size = push_children(nodes[word], p, bounds, best, lanes, size);
+                    continue;
+                }
+                if (!bvh.has_instances()) {
+                    leave(p, lanes, tree, entry);
                     continue;
                 }
                 visit_one_by_one(p, lanes, tree, word);

@@ -235,12 +235,15 @@ void single_counted(const TraceInput<Node>& input, std::span<const Ray> rays, st
 // independent rays; a ray changes lists without a branch. The list of inner nodes is a ring, for the end of a list is a
 // branch that nobody can predict. When few rays are left in it, the other lists are worked off, where rays also end and
 // new ones begin.
-template <Query query, TriangleTest test, class Node, class Finish>
-HWY_INLINE void trace_in_flight(const TraceInput<Node>& input, std::span<const Ray> rays, const Finish& finish)
+// start(walker, state, number) begins with one of `count` rays, as Walker::start does, and may leave up to `pushed`
+// entries on its stack.
+template <Query query, TriangleTest test, class Node, class Start, class Finish>
+HWY_INLINE void trace_in_flight(const TraceInput<Node>& input, std::span<const Ray> rays, std::size_t count_of_rays,
+                                uint pushed, const Start& start, const Finish& finish)
 {
     constexpr std::size_t flight = 32;
     constexpr std::size_t enough = flight / 4; // rays at inner nodes that keep the processor busy
-    Stacks stacks(flight, input.bvh->stack_size());
+    Stacks stacks(flight, input.bvh->stack_size() + pushed);
     const std::size_t stride = stacks.stride;
     const Walker<query, test, Node> walker(input, rays, stride);
     RayState<Node> states[flight];
@@ -270,8 +273,8 @@ HWY_INLINE void trace_in_flight(const TraceInput<Node>& input, std::span<const R
     };
     // Gives the slot to the next ray that has something to traverse.
     const auto refill = [&](std::size_t slot) {
-        while (next_ray < rays.size()) {
-            if (walker.start(states[slot], next_ray++)) {
+        while (next_ray < count_of_rays) {
+            if (start(walker, states[slot], next_ray++)) {
                 sort_in(slot, states[slot].current);
                 return;
             }
@@ -343,6 +346,14 @@ HWY_INLINE void trace_in_flight(const TraceInput<Node>& input, std::span<const R
             sort_in(slot, s.current);
         }
     }
+}
+
+template <Query query, TriangleTest test, class Node, class Finish>
+HWY_INLINE void trace_in_flight(const TraceInput<Node>& input, std::span<const Ray> rays, const Finish& finish)
+{
+    const auto start = [](const Walker<query, test, Node>& walker, RayState<Node>& s, std::size_t i)
+                           HWY_ATTR { return walker.start(s, i); };
+    trace_in_flight<query, test>(input, rays, rays.size(), 0, start, finish);
 }
 
 template <Query query, class Node, class Finish>
