@@ -15,20 +15,33 @@ namespace {
 // Where prefetching begins to pay: below, the tree nearly fits the second-level cache and it only costs.
 constexpr std::size_t prefetch_bytes = std::size_t{4} << 20;
 
-// Do neighbours in the batch point the same way, as camera rays and shadow rays to a small light do? They share nodes
-// and triangles, and then packets are faster than keeping many single rays in flight.
-bool is_coherent(std::span<const Ray> rays)
+// What most neighbours in a batch have in common.
+struct Coherence
+{
+    bool same_way = false;   // they point the same way, as camera rays and shadow rays to a small light do
+    bool same_place = false; // they start much nearer to each other than the batch is wide
+};
+Coherence coherence_of(std::span<const Ray> rays)
 {
     constexpr std::size_t pairs = 16;
-    if (rays.size() < 2 * pairs) return false;
-    std::size_t alike = 0;
+    if (rays.size() < 2 * pairs) return {};
+    float apart[pairs]; // squared
+    std::size_t alike = 0, near = 0;
+    Box origins;
     for (std::size_t i = 0; i < pairs; ++i) {
         const std::size_t at = i * (rays.size() - 1) / pairs;
         const vec3 a = rays[at].direction, b = rays[at + 1].direction;
         const float along = dot(a, b);
         if (along > 0.0f && along * along > 0.9f * dot(a, a) * dot(b, b)) ++alike;
+        const vec3 between = rays[at].origin - rays[at + 1].origin;
+        apart[i] = dot(between, between);
+        origins.extend(rays[at].origin);
     }
-    return alike >= pairs * 3 / 4;
+    // Rays of a tile of pixels are a few hundredths of their batch apart, shuffled ones a tenth and more.
+    const vec3 extent = origins.extent();
+    for (const float distance : apart) near += distance <= dot(extent, extent) * sqr(1.0f / 32.0f);
+    constexpr std::size_t most = pairs * 3 / 4;
+    return {alike >= most, near >= most};
 }
 
 // Trees of so few nodes are faster in packets whichever way the rays go, for all of them visit the same nodes; measured
@@ -69,7 +82,7 @@ class WideAccel : public Accel
     {
         SNELL_CHECK_EQ(rays.size(), hits.size());
         const TraceKernels<Node> kernels = trace_kernels<Node>();
-        switch (choose(rays)) {
+        switch (choose(rays, false)) {
         case Traversal::single:
             return kernels.single(input, rays, hits);
         case Traversal::packets:
@@ -92,7 +105,7 @@ class WideAccel : public Accel
     {
         SNELL_CHECK_EQ(rays.size(), blocked.size());
         const TraceKernels<Node> kernels = trace_kernels<Node>();
-        switch (choose(rays)) {
+        switch (choose(rays, true)) {
         case Traversal::single:
             return kernels.single_any(input, rays, blocked);
         case Traversal::packets:
@@ -155,7 +168,7 @@ class WideAccel : public Accel
         input = {&bvh, &scene, options.triangle_test, stats.bytes > prefetch_bytes};
     }
 
-    Traversal choose(std::span<const Ray> rays) const
+    Traversal choose(std::span<const Ray> rays, bool any) const
     {
         // Packets know the watertight test only.
         const bool packets = options.triangle_test == TriangleTest::watertight;
@@ -164,7 +177,11 @@ class WideAccel : public Accel
         // They go through instances ray by ray, and then gain nothing.
         const bool pay = packets && !bvh.has_instances();
         if (pay && bvh.world.nodes.size() <= small_tree) return Traversal::packets;
-        if (!is_coherent(rays)) return Traversal::stream;
+        // Neighbours share nodes and triangles, and then packets are faster than keeping many single rays in flight; of
+        // rays that ask for any hit, those from one place are neighbours enough.
+        const Coherence coherence = coherence_of(rays);
+        if (any && pay && coherence.same_place) return Traversal::packets;
+        if (!coherence.same_way) return Traversal::stream;
         return pay ? Traversal::packets : Traversal::single;
     }
 };

@@ -1,6 +1,6 @@
-// Packets: up to 64 rays that go through the tree together, for batches of rays that see much the same of the scene. A node
-// or a triangle is fetched once for all of them, and each operation works on whole vectors of rays. Compiled once for
-// each instruction set.
+// Packets: up to 64 rays that go through the tree together, for batches of rays that see much the same of the scene. A
+// node or a triangle is fetched once for all of them, and each operation works on whole vectors of rays. Compiled once
+// for each instruction set.
 #if defined(SNELL_BVH_SIMD_PACKET_INL_H) == defined(HWY_TARGET_TOGGLE)
 #ifdef SNELL_BVH_SIMD_PACKET_INL_H
 #undef SNELL_BVH_SIMD_PACKET_INL_H
@@ -28,7 +28,8 @@ class PacketTracer
         for (State& s : states) s.stack = stacks.stack(0);
     }
 
-    // Rays of the same octant and longest axis wait for each other, neighbours in the batch first of all.
+    // A block of rays that have the octant and the longest axis in common goes as it is. Others wait until their packet
+    // is full: measured, full packets are worth more than near neighbours.
     void trace_all()
     {
         if (bvh.first().root == word_done) {
@@ -56,8 +57,6 @@ class PacketTracer
                 group.ray[group.count++] = block.ray[i];
                 if (group.count == packet_size) trace_group(p, group);
             }
-            for (Waiting& group : waiting)
-                if (group.count >= enough_together) trace_group(p, group);
         }
         for (Waiting& group : waiting) trace_group(p, group);
         if (!rests.empty()) trace_rests();
@@ -75,7 +74,7 @@ class PacketTracer
     {
         const Node* parent; // nullptr: no box to test
         ChildWord word;
-        uint child; // of the parent
+        uint child;  // of the parent
         Lanes lanes; // that met the parent
         float enter; // no ray enters the box before this
     };
@@ -112,9 +111,7 @@ class PacketTracer
     std::vector<Rest> rests;
 
     // Fewer than this go on alone: below an inner node, later and with many others in flight.
-    static constexpr uint least_together = query == Query::any ? 6 : 4;
-    // As many do not wait for more: those would come from elsewhere.
-    static constexpr uint enough_together = 16;
+    static constexpr uint least_together = query == Query::any ? 12 : 8;
 
     void trace_alone(std::size_t index)
     {
@@ -177,8 +174,8 @@ class PacketTracer
             s.current = s.stack[--s.stack_size];
             return true;
         };
-        trace_in_flight<query, TriangleTest::watertight>(
-            input, rays, rests.size(), Rest::most + 1, start, [&](const State& s) { finish(s.ray_index, s.hit); });
+        trace_in_flight<query, TriangleTest::watertight>(input, rays, rests.size(), Rest::most + 1, start,
+                                                         [&](const State& s) { finish(s.ray_index, s.hit); });
         rests.clear();
     }
 
@@ -314,6 +311,10 @@ class PacketTracer
                 }
                 visit_one_by_one(p, lanes, tree, word);
             } else if (RefKind(word >> 30) == RefKind::triangle) {
+                if (hwy::PopCount(lanes) == 1 && !bvh.has_instances()) {
+                    leave(p, lanes, tree, entry);
+                    continue;
+                }
                 visit_triangles(p, lanes, bounds, best, tree, &block_at(tree.lines.data(), word & child_index_mask));
             } else if (RefKind(word >> 30) == RefKind::sphere) {
                 for (const uint id : tree.spheres[word & child_index_mask].id)

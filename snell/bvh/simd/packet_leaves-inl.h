@@ -89,8 +89,8 @@ HWY_INLINE void visit_sphere(Packet& p, Lanes lanes, const Sphere& ball, uint nu
     });
 }
 
-// Triangles of a block, as bits, whose boxes some ray of the packet may meet: most of a leaf's triangles are met by none,
-// and this asks for all of them at once.
+// Triangles of a block, as bits, whose boxes some ray of the packet may meet: most of a leaf's triangles are met by
+// none, and this asks for all of them at once.
 HWY_INLINE uint triangles_in_bounds(const TriangleBlock& block, const PacketBounds& b, float best)
 {
     const TriangleTag d;
@@ -147,13 +147,12 @@ HWY_INLINE Lanes visit_triangle(Packet& p, Lanes lanes, const TriangleBlock& blo
 
         const auto sz = hn::Load(d, p.shear[2] + i);
         const auto det = hn::Add(hn::Add(w0, w1), w2);
-        const auto weighted = hn::Add(hn::Add(hn::Mul(w0, hn::Mul(sz, az)), hn::Mul(w1, hn::Mul(sz, bz))),
-                                      hn::Mul(w2, hn::Mul(sz, cz)));
+        const auto weighted =
+            hn::Add(hn::Add(hn::Mul(w0, hn::Mul(sz, az)), hn::Mul(w1, hn::Mul(sz, bz))), hn::Mul(w2, hn::Mul(sz, cz)));
         const auto t = hn::Div(weighted, det);
         const auto near = hn::And(hn::Gt(t, hn::Load(d, p.t_min + i)), hn::Le(t, best));
         const auto better = better_lanes(p, i, hn::And(inside, near), t, number);
-        if (!hn::AllFalse(d, better))
-            accept_lanes<query>(p, i, better, t, hn::Div(w1, det), hn::Div(w2, det), number);
+        if (!hn::AllFalse(d, better)) accept_lanes<query>(p, i, better, t, hn::Div(w1, det), hn::Div(w2, det), number);
     });
     return all_unsure;
 }

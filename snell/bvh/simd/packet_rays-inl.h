@@ -136,15 +136,15 @@ HWY_INLINE void kinds_of(const Packet& p, uint (&kinds)[packet_size])
         const auto most = hn::Set(d, 1.2676506002282294e30f), limit = hn::Set(d, FLT_MAX);
         auto ok = hn::And(hn::And(hn::Le(ax, most), hn::Le(ay, most)), hn::Le(az, most));
         ok = hn::And(ok, hn::Ge(hn::Max(ax, hn::Max(ay, az)), hn::Set(d, 7.8886090522101181e-31f)));
-        for (int axis = 0; axis < 3; ++axis)
-            ok = hn::And(ok, hn::Le(hn::Abs(hn::Load(d, p.origin[axis] + i)), limit));
+        for (int axis = 0; axis < 3; ++axis) ok = hn::And(ok, hn::Le(hn::Abs(hn::Load(d, p.origin[axis] + i)), limit));
         ok = hn::And(ok, hn::Lt(hn::Load(d, p.t_min + i), hn::Load(d, p.t + i)));
         const auto sign = [&](auto v) HWY_ATTR { return hn::ShiftRight<31>(hn::BitCast(du, v)); };
         const auto octant = hn::Or(sign(x), hn::Or(hn::ShiftLeft<1>(sign(y)), hn::ShiftLeft<2>(sign(z))));
         // longest_axis()
         const auto is_x = hn::And(hn::Ge(ax, ay), hn::Ge(ax, az));
-        const auto axis = hn::IfThenElse(hn::RebindMask(du, is_x), hn::Zero(du),
-                                         hn::IfThenElse(hn::RebindMask(du, hn::Ge(ay, az)), hn::Set(du, 1), hn::Set(du, 2)));
+        const auto axis =
+            hn::IfThenElse(hn::RebindMask(du, is_x), hn::Zero(du),
+                           hn::IfThenElse(hn::RebindMask(du, hn::Ge(ay, az)), hn::Set(du, 1), hn::Set(du, 2)));
         const auto kind = hn::Add(hn::Add(octant, hn::ShiftLeft<1>(octant)), axis);
         hn::Store(hn::IfThenElse(hn::RebindMask(du, ok), kind, hn::Set(du, no_kind)), du, kinds + i);
     });
@@ -234,9 +234,10 @@ struct BoundVectors
     HWY_INLINE BoundVectors(D d, const PacketBounds& b, float best)
         : enter_from{hn::Set(d, b.enter_from[0]), hn::Set(d, b.enter_from[1]), hn::Set(d, b.enter_from[2])},
           leave_from{hn::Set(d, b.leave_from[0]), hn::Set(d, b.leave_from[1]), hn::Set(d, b.leave_from[2])},
-          least{hn::Set(d, b.least[0]), hn::Set(d, b.least[1]), hn::Set(d, b.least[2])},
-          most{hn::Set(d, b.most[0]), hn::Set(d, b.most[1]), hn::Set(d, b.most[2])}, t_min(hn::Set(d, b.t_min)),
-          farthest(hn::Set(d, best))
+          least{hn::Set(d, b.least[0]), hn::Set(d, b.least[1]), hn::Set(d, b.least[2])}, most{hn::Set(d, b.most[0]),
+                                                                                              hn::Set(d, b.most[1]),
+                                                                                              hn::Set(d, b.most[2])},
+          t_min(hn::Set(d, b.t_min)), farthest(hn::Set(d, best))
     {
     }
 

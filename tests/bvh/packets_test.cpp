@@ -1,0 +1,120 @@
+// Packets of rays, whatever they are made of, find bit for bit the hits of single rays: on every layout and
+// instruction set.
+#include "snell/bvh/simd/traverse.h"
+#include "tests/bvh/scenes.h"
+
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+#include <hwy/targets.h>
+
+#include <cmath>
+#include <cstring>
+
+namespace snell::test {
+namespace {
+
+void expect_same_as_single(const PackedScene& scene, const std::vector<Ray>& rays, std::size_t least_hits)
+{
+    for (const char* name : {"bvh2", "bvh4", "bvh8", "bvh8q"}) {
+        AccelOptions options;
+        options.traversal = Traversal::single;
+        const auto single = find_accel(name)->make(scene, options);
+        std::vector<Hit> expected(rays.size());
+        single->intersect(rays, expected);
+        std::size_t found = 0;
+        for (const Hit& hit : expected) found += is_hit(hit);
+        ASSERT_GE(found, least_hits) << "the test looks past the scene";
+        options.traversal = Traversal::packets;
+        const auto packets = find_accel(name)->make(scene, options);
+        for (const std::int64_t target : traversal_targets()) {
+            SCOPED_TRACE(fmt::format("{}, {}", name, hwy::TargetName(target)));
+            hwy::SetSupportedTargetsForTest(target);
+            std::vector<Hit> hits(rays.size());
+            std::vector<std::uint8_t> blocked(rays.size(), 77);
+            packets->intersect(rays, hits);
+            packets->occluded(rays, blocked);
+            std::size_t wrong = 0;
+            for (std::size_t i = 0; i < rays.size(); ++i)
+                wrong += std::memcmp(&hits[i], &expected[i], sizeof(Hit)) != 0 || blocked[i] != is_hit(expected[i]);
+            EXPECT_EQ(wrong, 0u) << "of " << rays.size();
+        }
+        hwy::SetSupportedTargetsForTest(0);
+    }
+}
+
+// Rays from one point into a cone: a narrow one keeps packets together, of a wide one each ray soon goes alone and
+// leaves more subtrees for later than there is room for.
+std::vector<Ray> cone(Random& random, vec3 eye, float width, int count)
+{
+    std::vector<Ray> rays;
+    for (int i = 0; i < count; ++i)
+        rays.push_back(make_ray(eye, normalize(vec3(0.3f, 0.2f, 1.0f)) + random.in_box(width), infinity()));
+    return rays;
+}
+
+TEST(BvhPackets, NarrowAndWideCones)
+{
+    Random random(3);
+    PackedScene scene;
+    add_soup(scene, random, 6000, 0.05f);
+    add_cloud(scene, random, 60, 0.05f);
+    end_world(scene);
+    for (const float width : {0.0f, 0.01f, 0.1f, 0.6f})
+        for (const vec3 eye : {vec3(-0.4f, -0.3f, -1.5f), vec3(0.1f)})
+            expect_same_as_single(scene, cone(random, eye, width, 700), width == 0.0f ? 0 : 100);
+}
+
+TEST(BvhPackets, LongSliversThatEveryRayPasses)
+{
+    Random random(4);
+    PackedScene scene;
+    for (int i = 0; i < 1500; ++i) {
+        const vec3 a = random.in_box(1.0f), along = random.in_box(1.0f);
+        add_triangle(scene, a, a + along, a + along + random.in_box(0.01f));
+    }
+    end_world(scene);
+    expect_same_as_single(scene, cone(random, vec3(-0.4f, -0.3f, -1.5f), 0.4f, 1500), 100);
+    expect_same_as_single(scene, random_rays(random, 1500), 100);
+}
+
+// Numbers of rays around those of vectors and packets; one that no tree takes among others, first or last of a block.
+TEST(BvhPackets, EveryCountAndRaysThatAreNone)
+{
+    Random random(5);
+    PackedScene scene;
+    add_soup(scene, random, 500, 0.2f);
+    end_world(scene);
+    for (const int count : {1, 3, 4, 5, 15, 16, 17, 33, 47, 63, 64, 65, 127, 128, 130}) {
+        std::vector<Ray> rays = cone(random, vec3(-0.4f, -0.3f, -1.5f), 0.05f, count);
+        expect_same_as_single(scene, rays, 0);
+        for (const std::size_t at : {std::size_t{0}, rays.size() / 2, rays.size() - 1}) {
+            std::vector<Ray> some = rays;
+            some[at].direction = at % 2 == 0 ? vec3(0.0f) : vec3(NAN, 1.0f, 1.0f);
+            expect_same_as_single(scene, some, 0);
+            some[at] = rays[at];
+            some[at].t_max = some[at].t_min;
+            expect_same_as_single(scene, some, 0);
+            some[at] = rays[at];
+            some[at].origin.y = INFINITY;
+            expect_same_as_single(scene, some, 0);
+        }
+    }
+}
+
+// Ends of rays below 0, at 0 and between surfaces: those that end first do not hold back or speed up the others.
+TEST(BvhPackets, RaysOfManyLengths)
+{
+    Random random(6);
+    PackedScene scene;
+    add_soup(scene, random, 3000, 0.1f);
+    end_world(scene);
+    std::vector<Ray> rays = cone(random, vec3(0.1f), 0.05f, 640);
+    for (std::size_t i = 0; i < rays.size(); ++i) {
+        rays[i].t_min = i % 3 == 0 ? -2.0f : 0.0f;
+        rays[i].t_max = i % 4 == 0 ? infinity() : i % 12 == 3 ? -0.5f : i % 12 == 9 ? 0.0f : random.range(0.0f, 1.0f);
+    }
+    expect_same_as_single(scene, rays, 100);
+}
+
+} // namespace
+} // namespace snell::test
