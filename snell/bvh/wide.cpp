@@ -30,7 +30,7 @@ struct Visit
 template <class Node>
 struct Piece
 {
-    uint root = 0, end = 0; // range of binary nodes
+    typename Collapse<Node::width>::Child root{};
     std::vector<Node> nodes;
     std::vector<Line> lines;
     std::vector<SphereBlock> spheres;
@@ -53,15 +53,15 @@ class Converter
         WideTree<Node> wide;
         if (tree.nodes.empty()) return wide;
         wide.box = tree.nodes[0].box;
-        plan(0, static_cast<uint>(tree.nodes.size()));
+        plan(collapse.root());
         parallel_for(pieces.size(), [&](std::size_t i) {
             Piece<Node>& piece = pieces[i];
             reserve(piece);
-            piece.visit = emit(piece, piece.root, piece.end, nullptr);
+            piece.visit = emit(piece, piece.root, nullptr);
         });
         Piece<Node> summit;
         Seams seams;
-        const Visit visit = emit(summit, 0, static_cast<uint>(tree.nodes.size()), &seams);
+        const Visit visit = emit(summit, collapse.root(), &seams);
         SNELL_CHECK_EQ(seams.met, pieces.size());
 
         std::size_t nodes = summit.nodes.size(), lines = summit.lines.size(), spheres = summit.spheres.size();
@@ -96,6 +96,8 @@ class Converter
     const Collapse<Node::width> collapse;
     std::vector<Piece<Node>> pieces;
 
+    using Child = typename Collapse<Node::width>::Child;
+
     static constexpr std::size_t spare_lines = 4;
 
     // Where the summit's nodes lead to pieces. The root of a tree is always in the summit.
@@ -127,33 +129,31 @@ class Converter
     }
 
     // Lists the subtrees that are small enough for one thread and are the roots of wide nodes, in depth-first order.
-    void plan(uint index, uint end)
+    void plan(const Child& child)
     {
-        if (collapse.is_leaf(index)) return;
-        if (end - index <= piece_size && index != 0) {
-            Piece<Node>& piece = pieces.emplace_back();
-            piece.root = index, piece.end = end;
+        if (collapse.is_leaf(child)) return;
+        if (child.end - child.index <= piece_size && child.index != 0) {
+            pieces.emplace_back().root = child;
             return;
         }
-        const auto children = collapse.children(index, end);
-        for (uint i = 0; i < children.count; ++i) plan(children.index[i], children.end[i]);
+        for (const Child& inner : collapse.children(child)) plan(inner);
     }
 
     // Room for what most pieces hold: arrays that grow are copied.
     void reserve(Piece<Node>& piece) const
     {
-        const std::size_t leaves = (piece.end - piece.root + 1) / 2;
+        const std::size_t leaves = (piece.root.end - piece.root.index + 1) / 2;
         piece.nodes.reserve(leaves / (Node::width - 1) * 5 / 4 + 8);
         if (below.empty()) piece.lines.reserve(leaves * 4);
     }
 
     // seams: not null for the summit.
-    Visit emit(Piece<Node>& to, uint index, uint end, Seams* seams)
+    Visit emit(Piece<Node>& to, const Child& child, Seams* seams)
     {
-        if (collapse.is_leaf(index)) return emit_leaf(to, index);
-        if (seams != nullptr && seams->met < pieces.size() && pieces[seams->met].root == index)
+        if (collapse.is_leaf(child)) return emit_leaf(to, child);
+        if (seams != nullptr && seams->met < pieces.size() && pieces[seams->met].root.index == child.index)
             return pieces[seams->met++].visit;
-        return emit_node(to, index, end, seams);
+        return emit_node(to, child, seams);
     }
 
     void prefetch(const BinaryTree::Entry* entry, std::size_t count) const
@@ -161,21 +161,24 @@ class Converter
         const BinaryTree::Entry* const end = tree.order.data() + tree.order.size();
         for (std::size_t i = 0; i < count; ++i, ++entry) {
             if (static_cast<std::size_t>(end - entry) <= triangles_ahead) return;
-            if (entry[triangles_ahead].kind == RefKind::triangle)
-                __builtin_prefetch(&scene.triangles[entry[triangles_ahead].index]);
+            const uint index = entry[triangles_ahead].index;
+            if (entry[triangles_ahead].kind == RefKind::triangle) __builtin_prefetch(&scene.triangles[index]);
+            // The world's own tree has a number that no instance has.
+            if (entry[triangles_ahead].kind == RefKind::instance && index < scene.instances.size())
+                __builtin_prefetch(&scene.instances[index].group);
             if (entry[vertices_ahead].kind == RefKind::triangle)
                 __builtin_prefetch(&scene.positions[scene.triangles[entry[vertices_ahead].index].v0]);
         }
     }
 
-    Visit emit_leaf(Piece<Node>& to, uint index)
+    Visit emit_leaf(Piece<Node>& to, const Child& leaf)
     {
         ++to.leaves;
-        const double area = tree.nodes[index].box.half_area();
-        const std::span<const BinaryTree::Entry> entries = collapse.entries(index);
+        const double area = collapse.box(leaf).half_area();
+        const std::span<const BinaryTree::Entry> entries = collapse.entries(leaf);
+        prefetch(entries.data(), entries.size());
         switch (entries[0].kind) {
         case RefKind::triangle: {
-            prefetch(entries.data(), entries.size());
             const std::size_t first = to.lines.size();
             const uint blocks = append_blocks(scene, entries, to.lines);
             return {make_child(uint(RefKind::triangle), first), 0, area * blocks * double(wide_block_cost)};
@@ -197,31 +200,31 @@ class Converter
         return {word_done, 0, 0};
     }
 
-    Visit emit_node(Piece<Node>& to, uint index, uint end, Seams* seams)
+    Visit emit_node(Piece<Node>& to, const Child& child, Seams* seams)
     {
-        const auto children = collapse.children(index, end);
+        const auto children = collapse.children(child);
         const std::size_t self = to.nodes.size();
         Node& node = to.nodes.emplace_back();
         Box boxes[Node::width];
-        for (uint i = 0; i < children.count; ++i) boxes[i] = tree.nodes[children.index[i]].box;
+        for (uint i = 0; i < children.count; ++i) boxes[i] = collapse.box(children.list[i]);
         for (uint i = 0; i < Node::width; ++i) node.child[i] = word_done;
         node.set_boxes(boxes);
         // While a child is visited, all its siblings may be waiting.
-        Visit visit{make_child(0, self), 0, tree.nodes[index].box.half_area() * double(wide_node_cost)};
+        Visit visit{make_child(0, self), 0, tree.nodes[child.index].box.half_area() * double(wide_node_cost)};
         const auto descend = [&](uint i) {
             const std::size_t met = seams != nullptr ? seams->met : 0;
-            const Visit child = emit(to, children.index[i], children.end[i], seams);
-            if (seams != nullptr && seams->met == met + 1 && pieces[met].root == children.index[i])
+            const Visit below_it = emit(to, children.list[i], seams);
+            if (seams != nullptr && seams->met == met + 1 && pieces[met].root.index == children.list[i].index)
                 seams->list.push_back({self, i, met});
-            to.nodes[self].child[i] = child.word; // emit() may have moved the nodes
-            visit.stack = std::max(visit.stack, children.count - 1 + child.stack);
-            visit.cost += child.cost;
+            to.nodes[self].child[i] = below_it.word; // emit() may have moved the nodes
+            visit.stack = std::max(visit.stack, children.count - 1 + below_it.stack);
+            visit.cost += below_it.cost;
         };
         // Leaves first: those of one node lie side by side.
         for (uint i = 0; i < children.count; ++i)
-            if (collapse.is_leaf(children.index[i])) descend(i);
+            if (collapse.is_leaf(children.list[i])) descend(i);
         for (uint i = 0; i < children.count; ++i)
-            if (!collapse.is_leaf(children.index[i])) descend(i);
+            if (!collapse.is_leaf(children.list[i])) descend(i);
         return visit;
     }
 
@@ -272,6 +275,12 @@ std::size_t WideBvh<Node>::leaves() const
     std::size_t sum = world.leaves + top.leaves;
     for (const WideTree<Node>& group : groups) sum += group.leaves;
     return sum;
+}
+
+BuildOptions for_each_frame(BuildOptions options)
+{
+    if (options.builder.empty() || options.builder == "auto") options.builder = "binned";
+    return options;
 }
 
 template <class Node>
