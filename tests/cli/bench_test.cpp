@@ -184,7 +184,7 @@ TEST(InfoBvh, ComparesTheBuilders)
     EXPECT_EQ(line_count(outcome.out), 1u);
     const json info = json::parse(outcome.out, nullptr, false);
     ASSERT_GE(info.at("builders").size(), 3u);
-    EXPECT_EQ(info.at("builders").at(0).at("builder"), "binned");
+    EXPECT_EQ(info.at("builders").at(0).at("builder"), "auto");
     for (const json& row : info.at("builders")) {
         for (const char* key : {"build_seconds", "bytes", "sah", "epo", "nodes", "leaves", "references", "depth",
                                 "mean_leaf_depth", "mean_leaf_size"})

@@ -191,7 +191,7 @@ HWY_INLINE uint push_children(const Node& node, const RayState<Node>& s, const S
     const uint order = node.order(s.octant);
     if constexpr (n == Node::width) {
         const auto front_to_back = hn::Shr(hn::Set(du, order), order_shifts<Node>());
-        const auto children = hn::Load(du, node.child);
+        const auto children = hn::LoadU(du, node.child); // not aligned in quantised nodes
 #if HWY_TARGET <= HWY_AVX3
         const auto enter = hn::TableLookupLanes(slabs.enter, lanes_of(d, front_to_back));
         const auto leave = hn::TableLookupLanes(slabs.leave, lanes_of(d, front_to_back));
