@@ -52,7 +52,7 @@ struct AccelStats
     double build_seconds = 0; // the last build, or update
     std::size_t bytes = 0;    // of the structure, the scene's own arrays not counted
     std::size_t nodes = 0, leaves = 0;
-    double sah_cost = 0;                   // expected cost of a random ray, with node cost 1 and triangle cost 1
+    double sah_cost = 0;                   // expected cost of a random ray that enters, in visits of nodes
     std::size_t refitted = 0, rebuilt = 0; // trees, by the last update; the one over instances not counted
     std::size_t loaded = 0, refused = 0;   // trees from AccelOptions::cache, and its files that were no good
 };

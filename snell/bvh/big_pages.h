@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <new>
+#include <utility>
 #include <vector>
 
 namespace snell {
@@ -47,5 +48,33 @@ struct BigPageAllocator
 
 template <class T>
 using BigVector = std::vector<T, BigPageAllocator<T>>;
+
+// As that, but resize() leaves elements as they are where T has no constructor: the threads that fill it are the first
+// to touch it.
+template <class T>
+struct RawPageAllocator : BigPageAllocator<T>
+{
+    template <class U>
+    struct rebind
+    {
+        using other = RawPageAllocator<U>;
+    };
+    RawPageAllocator() = default;
+    template <class U>
+    RawPageAllocator(const RawPageAllocator<U>&)
+    {
+    }
+    template <class U, class... Args>
+    void construct(U* at, Args&&... args)
+    {
+        if constexpr (sizeof...(Args) == 0)
+            ::new (static_cast<void*>(at)) U;
+        else
+            ::new (static_cast<void*>(at)) U(std::forward<Args>(args)...);
+    }
+};
+
+template <class T>
+using RawVector = std::vector<T, RawPageAllocator<T>>;
 
 } // namespace snell

@@ -1,5 +1,7 @@
 #include "snell/bvh/node.h"
 
+#include "snell/bvh/child_order.h"
+
 #include <algorithm>
 #include <cmath>
 
@@ -39,8 +41,12 @@ void FloatNode<width_>::set_boxes(const Box (&boxes)[width_])
             planes[2 * axis][i] = boxes[i].lower[axis];
             planes[2 * axis + 1][i] = boxes[i].upper[axis];
         }
-    const std::array<uint, 8> all = order_children(boxes, width_);
-    for (uint octant = 0; octant < 8; ++octant) orders[octant] = static_cast<Order>(all[octant]);
+    if constexpr (width_ == 8) {
+        order_children(*this);
+    } else {
+        const std::array<uint, 8> all = order_children(boxes, width_);
+        for (uint octant = 0; octant < 8; ++octant) orders[octant] = static_cast<Order>(all[octant]);
+    }
 }
 template struct FloatNode<2>;
 template struct FloatNode<4>;

@@ -83,7 +83,7 @@ class Refitter
         tree_.box = box.box();
         if (tree_.box.empty()) tree_.box = {};
         const double area = tree_.box.half_area() * static_cast<double>(scale_) * static_cast<double>(scale_);
-        tree_.sah_cost = is_leaf ? below : 1 + (area > 0 ? below / area : below);
+        tree_.sah_cost = is_leaf ? below : double(wide_node_cost) + (area > 0 ? below / area : below);
     }
 
   private:
@@ -99,7 +99,7 @@ class Refitter
         if (size > 0.0f && std::isfinite(1.0f / size)) scale_ = 1.0f / size;
     }
 
-    // weight: the number of primitives. seen(block): is called for each block of triangles.
+    // weight: gets the cost of its blocks. seen(block): is called for each block of triangles.
     template <class Seen>
     HWY_INLINE Corners refit_leaf(ChildWord word, float& weight, const Seen& seen) const
     {
@@ -110,7 +110,7 @@ class Refitter
                 seen(index);
                 TriangleBlock& block = block_at(tree_.lines.data(), index);
                 all.extend(refill(scene_.triangles, positions_, block));
-                weight += static_cast<float>(block.count);
+                weight += wide_block_cost;
                 more = block.more != 0;
                 index += block.size();
             }
@@ -120,8 +120,8 @@ class Refitter
         for (const uint id : tree_.spheres[index].id) {
             if (id == none) continue;
             all.extend(corners_of(sphere_box(scene_.spheres[id])));
-            weight += 1.0f;
         }
+        weight += wide_block_cost;
         return all;
     }
 
@@ -157,7 +157,7 @@ class Refitter
             const ChildWord word = node.child[slot];
             if (word >> 30 == 0) {
                 children.box[slot] = boxes_[word];
-                children.weight[slot] = 1.0f;
+                children.weight[slot] = wide_node_cost;
             }
             all.extend(children.box[slot]);
         }

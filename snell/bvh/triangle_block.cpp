@@ -2,7 +2,8 @@
 
 #include "snell/core/error.h"
 
-#include <cstring>
+#include <algorithm>
+#include <iterator>
 #include <new>
 
 namespace snell {
@@ -18,14 +19,22 @@ struct Packing
     uint ids[max_leaf_size];
     std::uint8_t corners[max_leaf_size][3];
     uint count = 0;
+    std::uint8_t hints[128] = {}; // by the last bits of a vertex: the place of the last one with those bits
 
+    // The place of a vertex, or vertex_count.
     uint find(uint vertex) const
     {
+        const uint hint = hints[vertex % std::size(hints)];
+        if (hint >= vertex_count) return vertex_count;
+        if (vertices[hint] == vertex) return hint;
+        if ((vertices[hint] - vertex) % std::size(hints) != 0) return vertex_count; // left from a block before
         for (uint i = 0; i < vertex_count; ++i)
             if (vertices[i] == vertex) return i;
         return vertex_count;
     }
-    // False if its vertices do not fit.
+    bool has(uint id) const { return std::find(ids, ids + count, id) != ids + count; }
+    void clear() { vertex_count = count = 0; }
+    // False if its vertices do not fit; then it takes no more until it is cleared.
     bool add(const Triangle& tri, uint id)
     {
         const uint corner[3] = {tri.v0, tri.v1, tri.v2};
@@ -36,7 +45,10 @@ struct Packing
                 vertex_count = before;
                 return false;
             }
-            if (at == vertex_count) vertices[vertex_count++] = corner[v];
+            if (at == vertex_count) {
+                hints[corner[v] % std::size(hints)] = static_cast<std::uint8_t>(at);
+                vertices[vertex_count++] = corner[v];
+            }
             corners[count][v] = static_cast<std::uint8_t>(at);
         }
         ids[count++] = id;
@@ -68,18 +80,29 @@ void append(const PackedScene& scene, const Packing& packing, bool more, std::ve
 
 } // namespace
 
-void append_blocks(const PackedScene& scene, std::span<const BinaryTree::Entry> entries, std::vector<Line>& lines)
+uint append_blocks(const PackedScene& scene, std::span<const BinaryTree::Entry> entries, std::vector<Line>& lines)
 {
     SNELL_CHECK_LE(entries.size(), std::size_t{max_leaf_size});
     Packing packing;
+    uint blocks = 1;
     for (const BinaryTree::Entry& entry : entries) {
         const Triangle& tri = scene.triangles[entry.index];
-        if (packing.add(tri, entry.index)) continue;
+        if (packing.has(entry.index) || packing.add(tri, entry.index)) continue;
         append(scene, packing, true, lines);
-        packing = {};
+        ++blocks;
+        packing.clear();
         packing.add(tri, entry.index);
     }
     append(scene, packing, false, lines);
+    return blocks;
+}
+
+bool fit_one_block(const PackedScene& scene, std::span<const BinaryTree::Entry> entries)
+{
+    Packing packing;
+    return std::all_of(entries.begin(), entries.end(), [&](const BinaryTree::Entry& entry) {
+        return packing.has(entry.index) || packing.add(scene.triangles[entry.index], entry.index);
+    });
 }
 
 Box refill_block(const PackedScene& scene, TriangleBlock& block)

@@ -47,9 +47,12 @@ inline TriangleBlock& block_at(Line* lines, std::size_t index)
     return *reinterpret_cast<TriangleBlock*>(lines + index);
 }
 
-// Appends a leaf as one or more blocks. At most max_leaf_size entries, all triangles. Vertices are shared by number, so
-// that they stay shared when the mesh moves.
-void append_blocks(const PackedScene& scene, std::span<const BinaryTree::Entry> entries, std::vector<Line>& lines);
+// Appends a leaf as one or more blocks; returns how many. At most max_leaf_size entries, all triangles; each triangle
+// is taken once. Vertices are shared by number, so that they stay shared when the mesh moves.
+uint append_blocks(const PackedScene& scene, std::span<const BinaryTree::Entry> entries, std::vector<Line>& lines);
+
+// Whether one block is enough for them.
+bool fit_one_block(const PackedScene& scene, std::span<const BinaryTree::Entry> entries);
 
 // Reads the vertices of a block's triangles from the scene again; returns their box.
 Box refill_block(const PackedScene& scene, TriangleBlock& block);

@@ -1,11 +1,13 @@
 #include "snell/bvh/wide.h"
 
+#include "snell/bvh/collapse.h"
 #include "snell/bvh/primitives.h"
 #include "snell/core/error.h"
 #include "snell/core/parallel.h"
 
 #include <algorithm>
 #include <array>
+#include <cstring>
 #include <new>
 
 namespace snell {
@@ -13,6 +15,9 @@ namespace {
 
 // Subtrees of so many binary nodes are converted by one thread.
 constexpr uint piece_size = 8192;
+
+// How far ahead of a leaf its triangles and their vertices are asked for, in entries of the order.
+constexpr std::size_t triangles_ahead = 128, vertices_ahead = 48;
 
 struct Visit
 {
@@ -25,7 +30,7 @@ struct Visit
 template <class Node>
 struct Piece
 {
-    uint root, end; // range of binary nodes
+    typename Collapse<Node::width>::Child root{};
     std::vector<Node> nodes;
     std::vector<Line> lines;
     std::vector<SphereBlock> spheres;
@@ -39,7 +44,7 @@ class Converter
 {
   public:
     Converter(const PackedScene& packed, const BinaryTree& binary, std::span<const Below> instances)
-        : scene(packed), tree(binary), below(instances)
+        : scene(packed), tree(binary), below(instances), collapse(packed, binary)
     {
     }
 
@@ -48,15 +53,16 @@ class Converter
         WideTree<Node> wide;
         if (tree.nodes.empty()) return wide;
         wide.box = tree.nodes[0].box;
-        plan(0, static_cast<uint>(tree.nodes.size()));
+        plan(collapse.root());
         parallel_for(pieces.size(), [&](std::size_t i) {
             Piece<Node>& piece = pieces[i];
-            piece.visit = emit(piece, piece.root, piece.end, nullptr);
+            reserve(piece);
+            piece.visit = emit(piece, piece.root, nullptr);
         });
         Piece<Node> summit;
-        std::size_t next = 0;
-        const Visit visit = emit(summit, 0, static_cast<uint>(tree.nodes.size()), &next);
-        SNELL_CHECK_EQ(next, pieces.size());
+        Seams seams;
+        const Visit visit = emit(summit, collapse.root(), &seams);
+        SNELL_CHECK_EQ(seams.met, pieces.size());
 
         std::size_t nodes = summit.nodes.size(), lines = summit.lines.size(), spheres = summit.spheres.size();
         for (Piece<Node>& piece : pieces) {
@@ -66,19 +72,17 @@ class Converter
         }
         wide.leaves += summit.leaves;
         SNELL_CHECK_LT(nodes, std::size_t{child_index_mask});
-        SNELL_CHECK_LT(lines, std::size_t{child_index_mask} - 4);
+        SNELL_CHECK_LT(lines, std::size_t{child_index_mask} - spare_lines);
         wide.nodes.resize(nodes);
-        wide.lines.resize(lines + 4);
+        wide.lines.resize(lines + spare_lines);
+        std::memset(static_cast<void*>(&wide.lines[lines]), 0, spare_lines * sizeof(Line));
         new (&wide.lines[lines]) TriangleBlock{{}, 0, 12, 0, 0, {}};
         wide.no_child = make_child(uint(RefKind::triangle), lines);
         wide.spheres.resize(spheres);
-        // Words of the summit that stand for pieces become those of the pieces' roots.
-        for (Node& node : summit.nodes)
-            for (uint i = 0; i < Node::width; ++i)
-                if (is_piece(node.child[i])) node.child[i] = moved(pieces[piece_of(node.child[i])]);
+        for (const Seam& seam : seams.list) summit.nodes[seam.node].child[seam.slot] = moved(pieces[seam.piece]);
+        wide.root = visit.word;
         pieces.push_back(std::move(summit));
         parallel_for(pieces.size(), [&](std::size_t i) { place(pieces[i], wide); });
-        wide.root = is_piece(visit.word) ? moved(pieces[piece_of(visit.word)]) : visit.word;
         wide.stack_size = visit.stack;
         const double area = wide.box.half_area();
         wide.sah_cost = area > 0 ? visit.cost / area : visit.cost;
@@ -89,13 +93,25 @@ class Converter
     const PackedScene& scene;
     const BinaryTree& tree;
     std::span<const Below> below;
+    const Collapse<Node::width> collapse;
     std::vector<Piece<Node>> pieces;
 
-    // Within the summit a piece is an instance word with a number that no instance has there: summits of trees over
-    // instances hold no pieces, see plan().
-    static constexpr ChildWord piece_bit = 0xc0000000u;
-    bool is_piece(ChildWord word) const { return below.empty() && word >= piece_bit && word != word_done; }
-    static std::size_t piece_of(ChildWord word) { return word & child_index_mask; }
+    using Child = typename Collapse<Node::width>::Child;
+
+    static constexpr std::size_t spare_lines = 4;
+
+    // Where the summit's nodes lead to pieces. The root of a tree is always in the summit.
+    struct Seam
+    {
+        std::size_t node;
+        uint slot;
+        std::size_t piece;
+    };
+    struct Seams
+    {
+        std::vector<Seam> list;
+        std::size_t met = 0; // pieces
+    };
 
     static ChildWord moved(const Piece<Node>& piece) { return moved(piece, piece.visit.word); }
     static ChildWord moved(const Piece<Node>& piece, ChildWord word)
@@ -112,134 +128,119 @@ class Converter
         }
     }
 
-    uint middle(uint index) const { return tree.nodes[index].link; }
-
     // Lists the subtrees that are small enough for one thread and are the roots of wide nodes, in depth-first order.
-    // Trees over instances are left to one thread.
-    void plan(uint index, uint end)
+    void plan(const Child& child)
     {
-        if (!below.empty() || end - index <= piece_size) {
-            if (below.empty() && index != 0 && tree.nodes[index].count == 0) {
-                Piece<Node>& piece = pieces.emplace_back();
-                piece.root = index, piece.end = end;
-            }
+        if (collapse.is_leaf(child)) return;
+        if (child.end - child.index <= piece_size && child.index != 0) {
+            pieces.emplace_back().root = child;
             return;
         }
-        std::array<uint, Node::width> children, ends;
-        const uint count = gather_children(index, end, children, ends);
-        for (uint i = 0; i < count; ++i)
-            if (tree.nodes[children[i]].count == 0) plan(children[i], ends[i]);
+        for (const Child& inner : collapse.children(child)) plan(inner);
     }
 
-    // next_piece: not null for the summit; counts the pieces met.
-    Visit emit(Piece<Node>& to, uint index, uint end, std::size_t* next_piece)
+    // Room for what most pieces hold: arrays that grow are copied.
+    void reserve(Piece<Node>& piece) const
     {
-        const BinaryNode& node = tree.nodes[index];
-        if (node.count > 0) return emit_leaf(to, node);
-        if (next_piece != nullptr && *next_piece < pieces.size() && pieces[*next_piece].root == index) {
-            Visit visit = pieces[*next_piece].visit;
-            visit.word = piece_bit | static_cast<uint>((*next_piece)++);
-            return visit;
-        }
-        return emit_node(to, index, end, next_piece);
+        const std::size_t leaves = (piece.root.end - piece.root.index + 1) / 2;
+        piece.nodes.reserve(leaves / (Node::width - 1) * 5 / 4 + 8);
+        if (below.empty()) piece.lines.reserve(leaves * 4);
     }
 
-    Visit emit_leaf(Piece<Node>& to, const BinaryNode& node)
+    // seams: not null for the summit.
+    Visit emit(Piece<Node>& to, const Child& child, Seams* seams)
+    {
+        if (collapse.is_leaf(child)) return emit_leaf(to, child);
+        if (seams != nullptr && seams->met < pieces.size() && pieces[seams->met].root.index == child.index)
+            return pieces[seams->met++].visit;
+        return emit_node(to, child, seams);
+    }
+
+    void prefetch(const BinaryTree::Entry* entry, std::size_t count) const
+    {
+        const BinaryTree::Entry* const end = tree.order.data() + tree.order.size();
+        for (std::size_t i = 0; i < count; ++i, ++entry) {
+            if (static_cast<std::size_t>(end - entry) <= triangles_ahead) return;
+            const uint index = entry[triangles_ahead].index;
+            if (entry[triangles_ahead].kind == RefKind::triangle) __builtin_prefetch(&scene.triangles[index]);
+            // The world's own tree has a number that no instance has.
+            if (entry[triangles_ahead].kind == RefKind::instance && index < scene.instances.size())
+                __builtin_prefetch(&scene.instances[index].group);
+            if (entry[vertices_ahead].kind == RefKind::triangle)
+                __builtin_prefetch(&scene.positions[scene.triangles[entry[vertices_ahead].index].v0]);
+        }
+    }
+
+    Visit emit_leaf(Piece<Node>& to, const Child& leaf)
     {
         ++to.leaves;
-        const double area = node.box.half_area();
-        const std::span<const BinaryTree::Entry> entries(&tree.order[node.link], node.count);
+        const double area = collapse.box(leaf).half_area();
+        const std::span<const BinaryTree::Entry> entries = collapse.entries(leaf);
+        prefetch(entries.data(), entries.size());
         switch (entries[0].kind) {
         case RefKind::triangle: {
             const std::size_t first = to.lines.size();
-            append_blocks(scene, entries, to.lines);
-            return {make_child(uint(RefKind::triangle), first), 0, area * node.count};
+            const uint blocks = append_blocks(scene, entries, to.lines);
+            return {make_child(uint(RefKind::triangle), first), 0, area * blocks * double(wide_block_cost)};
         }
         case RefKind::sphere: {
             SphereBlock& block = to.spheres.emplace_back();
             for (uint lane = 0; lane < max_leaf_size; ++lane)
-                block.id[lane] = lane < node.count ? entries[lane].index : none;
-            return {make_child(uint(RefKind::sphere), to.spheres.size() - 1), 0, area * node.count};
+                block.id[lane] = lane < entries.size() ? entries[lane].index : none;
+            return {make_child(uint(RefKind::sphere), to.spheres.size() - 1), 0, area * double(wide_block_cost)};
         }
         case RefKind::instance: {
             // The stack holds the way back while the instance's tree is visited.
             const bool is_world = make_child(uint(RefKind::instance), entries[0].index) == word_world;
             const Below& inner = is_world ? below.back() : below[scene.instances[entries[0].index].group];
-            return {make_child(uint(RefKind::instance), entries[0].index), 1 + inner.stack, area * (1 + inner.cost)};
+            return {make_child(uint(RefKind::instance), entries[0].index), 1 + inner.stack,
+                    area * (double(wide_node_cost) + inner.cost)};
         }
         }
         return {word_done, 0, 0};
     }
 
-    // Opens the child with the largest surface until the node is full or there are only leaves.
-    uint gather_children(uint index, uint end, std::array<uint, Node::width>& children,
-                         std::array<uint, Node::width>& ends) const
+    Visit emit_node(Piece<Node>& to, const Child& child, Seams* seams)
     {
-        std::array<double, Node::width> areas; // of those that can be opened, else -1
-        const auto put = [&](uint at, uint child, uint child_end) {
-            children[at] = child, ends[at] = child_end;
-            const BinaryNode& node = tree.nodes[child];
-            areas[at] = node.count > 0 ? -1.0 : node.box.half_area();
-        };
-        put(0, index + 1, middle(index));
-        put(1, middle(index), end);
-        uint count = 2;
-        while (count < Node::width) {
-            const uint widest =
-                static_cast<uint>(std::max_element(areas.begin(), areas.begin() + count) - areas.begin());
-            if (areas[widest] < 0.0) break;
-            const uint opened = children[widest], opened_end = ends[widest];
-            put(widest, opened + 1, middle(opened));
-            put(count++, middle(opened), opened_end);
-        }
-        return count;
-    }
-
-    Visit emit_node(Piece<Node>& to, uint index, uint end, std::size_t* next_piece)
-    {
-        std::array<uint, Node::width> children, ends;
-        const uint count = gather_children(index, end, children, ends);
+        const auto children = collapse.children(child);
         const std::size_t self = to.nodes.size();
         Node& node = to.nodes.emplace_back();
         Box boxes[Node::width];
-        for (uint i = 0; i < count; ++i) boxes[i] = tree.nodes[children[i]].box;
+        for (uint i = 0; i < children.count; ++i) boxes[i] = collapse.box(children.list[i]);
         for (uint i = 0; i < Node::width; ++i) node.child[i] = word_done;
         node.set_boxes(boxes);
         // While a child is visited, all its siblings may be waiting.
-        Visit visit{make_child(0, self), 0, tree.nodes[index].box.half_area()};
+        Visit visit{make_child(0, self), 0, tree.nodes[child.index].box.half_area() * double(wide_node_cost)};
         const auto descend = [&](uint i) {
-            const Visit child = emit(to, children[i], ends[i], next_piece);
-            to.nodes[self].child[i] = child.word; // emit() may have moved the nodes
-            visit.stack = std::max(visit.stack, count - 1 + child.stack);
-            visit.cost += child.cost;
+            const std::size_t met = seams != nullptr ? seams->met : 0;
+            const Visit below_it = emit(to, children.list[i], seams);
+            if (seams != nullptr && seams->met == met + 1 && pieces[met].root.index == children.list[i].index)
+                seams->list.push_back({self, i, met});
+            to.nodes[self].child[i] = below_it.word; // emit() may have moved the nodes
+            visit.stack = std::max(visit.stack, children.count - 1 + below_it.stack);
+            visit.cost += below_it.cost;
         };
         // Leaves first: those of one node lie side by side.
-        for (uint i = 0; i < count; ++i)
-            if (tree.nodes[children[i]].count > 0) descend(i);
-        for (uint i = 0; i < count; ++i)
-            if (tree.nodes[children[i]].count == 0) descend(i);
+        for (uint i = 0; i < children.count; ++i)
+            if (collapse.is_leaf(children.list[i])) descend(i);
+        for (uint i = 0; i < children.count; ++i)
+            if (!collapse.is_leaf(children.list[i])) descend(i);
         return visit;
     }
 
+    // The summit's words are right as they are.
     void place(Piece<Node>& piece, WideTree<Node>& wide) const
     {
-        Node* node = wide.nodes.data() + piece.first_node;
-        for (Node& from : piece.nodes) {
-            *node = from;
-            for (uint i = 0; i < Node::width; ++i) {
-                ChildWord& child = node->child[i];
-                if (child == word_done)
-                    child = wide.no_child;
-                else if (piece.first_node > 0)
-                    child = moved(piece, child);
-            }
-            ++node;
-        }
-        std::copy(piece.lines.begin(), piece.lines.end(), wide.lines.begin() + std::ptrdiff_t(piece.first_line));
-        std::copy(piece.spheres.begin(), piece.spheres.end(),
-                  wide.spheres.begin() + std::ptrdiff_t(piece.first_sphere));
-        piece.nodes = {};
-        piece.lines = {};
+        for (Node& node : piece.nodes)
+            for (ChildWord& child : node.child)
+                child = child == word_done ? wide.no_child : piece.first_node > 0 ? moved(piece, child) : child;
+        const auto copy = [](const auto& from, auto& to, std::size_t first) {
+            if (!from.empty()) std::memcpy(static_cast<void*>(&to[first]), from.data(), from.size() * sizeof(from[0]));
+        };
+        copy(piece.nodes, wide.nodes, piece.first_node);
+        copy(piece.lines, wide.lines, piece.first_line);
+        copy(piece.spheres, wide.spheres, piece.first_sphere);
+        piece = {};
     }
 };
 
@@ -276,6 +277,12 @@ std::size_t WideBvh<Node>::leaves() const
     return sum;
 }
 
+BuildOptions for_each_frame(BuildOptions options)
+{
+    if (options.builder.empty() || options.builder == "auto") options.builder = "binned";
+    return options;
+}
+
 template <class Node>
 WideTree<Node> make_wide_tree(const PackedScene& scene, const BinaryTree& tree, std::span<const Below> below)
 {
@@ -293,6 +300,8 @@ WideTree<Node> make_top_tree(const PackedScene& scene, const WideBvh<Node>& bvh,
     }
     below.push_back({bvh.world.sah_cost, bvh.world.stack_size});
     std::vector<PrimitiveRef> refs;
+    refs.reserve(scene.instances.size() + 1);
+    advise_big(refs.data(), refs.capacity() * sizeof(PrimitiveRef));
     collect_instances(scene, boxes, refs);
     if (bvh.world.root != word_done)
         refs.push_back({bvh.world.box.lower, word_world & child_index_mask, bvh.world.box.upper, RefKind::instance});

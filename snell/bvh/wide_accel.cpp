@@ -72,7 +72,7 @@ class WideAccel : public Accel
             if (changes.world) refitted.push_back(follow(bvh.world, scene.world, built_costs.back()) ? 1 : 0);
             stats.refitted = static_cast<std::size_t>(std::count(refitted.begin(), refitted.end(), 1));
             stats.rebuilt = refitted.size() - stats.refitted;
-            if (!scene.instances.empty()) bvh.top = make_top_tree(scene, bvh, options.build);
+            if (!scene.instances.empty()) bvh.top = make_top_tree(scene, bvh, for_each_frame(options.build));
             settle();
         }
         stats.build_seconds = timer.seconds();

@@ -21,8 +21,87 @@ PackedScene big_scene()
     end_group(scene);
     add_soup(scene, random, 100'000, 0.02f);
     end_world(scene);
-    for (int i = 0; i < 500; ++i) add_instance(scene, 0, translation(3.0f * random.in_box(1.0f)));
+    for (int i = 0; i < 9000; ++i) add_instance(scene, 0, translation(3.0f * random.in_box(1.0f)));
     return scene;
+}
+
+// Triangles side by side along x, from the numbers of a group of corners.
+PackedScene row_of_triangles(std::span<const float> places)
+{
+    PackedScene scene;
+    for (const float x : places) add_triangle(scene, vec3(x, 0, 0), vec3(x + 1, 0, 0), vec3(x, 1, 1));
+    end_world(scene);
+    return scene;
+}
+
+// The surface of a box that holds so many triangles of a scene, from one on.
+Box box_of(const PackedScene& scene, uint first, uint count)
+{
+    Box box;
+    for (uint t = first; t < first + count; ++t)
+        for (const uint v : {scene.triangles[t].v0, scene.triangles[t].v1, scene.triangles[t].v2})
+            box.extend(scene.positions[v]);
+    return box;
+}
+
+// A random binary tree over the triangles in their order, `leaf` in each leaf.
+void grow(BinaryTree& tree, const PackedScene& scene, Random& random, uint first, uint count, uint leaf)
+{
+    const std::size_t at = tree.nodes.size();
+    tree.nodes.push_back({box_of(scene, first, count), 0, 0});
+    if (count <= leaf) {
+        tree.nodes[at].link = static_cast<uint>(tree.order.size()), tree.nodes[at].count = count;
+        for (uint t = first; t < first + count; ++t) tree.order.push_back({t, RefKind::triangle});
+        return;
+    }
+    const uint leaves = count / leaf;
+    const uint left = leaf * (1 + static_cast<uint>(random.range(0.0f, 0.999f) * static_cast<float>(leaves - 1)));
+    grow(tree, scene, random, first, left, leaf);
+    tree.nodes[at].link = static_cast<uint>(tree.nodes.size());
+    grow(tree, scene, random, first + left, count - left, leaf);
+}
+
+// The least cost of all ways to collapse a subtree into at most so many children, by trying them all.
+double least_cost(const BinaryTree& tree, uint index, uint places, uint width)
+{
+    const BinaryNode& node = tree.nodes[index];
+    const double area = node.box.half_area();
+    if (node.count > 0) return area * double(wide_block_cost);
+    const auto apart = [&](uint all) {
+        double least = 1e300;
+        for (uint left = 1; left < all; ++left)
+            least = std::min(least,
+                             least_cost(tree, index + 1, left, width) + least_cost(tree, node.link, all - left, width));
+        return least;
+    };
+    const double as_node = area * double(wide_node_cost) + apart(width);
+    return places < 2 ? as_node : std::min(as_node, apart(places));
+}
+
+template <class Node>
+void expect_least_cost(uint leaves)
+{
+    Random random(35);
+    for (int round = 0; round < 20; ++round) {
+        PackedScene scene;
+        // Fans of triangles that share vertices: a block of eight holds them, and parts are as large as the whole.
+        for (uint leaf = 0; leaf < leaves; ++leaf) {
+            const vec3 at = 5.0f * random.in_box(1.0f), u = random.in_box(1.0f), v = random.in_box(1.0f);
+            const uint first = static_cast<uint>(scene.positions.size());
+            add_triangle(scene, at, at + u, at + v);
+            for (uint i = 1; i < max_leaf_size; ++i) {
+                scene.triangles.push_back(scene.triangles.back());
+                scene.triangles.back().v0 = first;
+            }
+        }
+        end_world(scene);
+        BinaryTree tree;
+        grow(tree, scene, random, 0, leaves * max_leaf_size, max_leaf_size);
+        const WideTree<Node> wide = make_wide_tree<Node>(scene, tree);
+        const double least = least_cost(tree, 0, 1, Node::width) / wide.box.half_area();
+        EXPECT_NEAR(wide.sah_cost, least, 1e-4 * least);
+        EXPECT_EQ(wide.leaves, leaves);
+    }
 }
 
 template <class Vector>
@@ -59,6 +138,83 @@ TEST(BvhBuild, IsTheSameForAnyNumberOfThreads)
     expect_same_for_threads<Node2>();
     expect_same_for_threads<Node8>();
     expect_same_for_threads<QuantisedNode>();
+}
+
+// Of all the trees that keep the order of the binary one.
+TEST(BvhBuild, WideTreesAreOfLeastCost)
+{
+    expect_least_cost<Node2>(9);
+    expect_least_cost<Node4>(7);
+    expect_least_cost<Node4>(9);
+    expect_least_cost<Node8>(9);
+}
+
+// Children that no ray meets together do not wait in one leaf, and those that fit one block do not take two.
+TEST(BvhBuild, LeavesArePartedAndJoined)
+{
+    Random random(36);
+    const float apart[] = {0, 50, 1, 51, 100, 150, 101, 151}; // two leaves, each of two places
+    PackedScene scene = row_of_triangles(apart);
+    BinaryTree tree;
+    grow(tree, scene, random, 0, 8, 4);
+    const WideTree<Node8> parted = make_wide_tree<Node8>(scene, tree);
+    EXPECT_EQ(parted.leaves, 4u);
+    EXPECT_EQ(parted.nodes.size(), 1u);
+    for (uint i = 0; i < 4; ++i) {
+        EXPECT_LT(parted.nodes[0].planes[1][i] - parted.nodes[0].planes[0][i], 2.5f);
+        EXPECT_EQ(block_at(parted.lines.data(), parted.nodes[0].child[i] & child_index_mask).count, 2u);
+    }
+    EXPECT_EQ(make_wide_tree<Node2>(scene, tree).leaves, 2u); // has no places for more
+
+    // Four leaves of one triangle, all in the same place.
+    PackedScene near = row_of_triangles(std::vector<float>(4, 0.0f));
+    tree = {};
+    grow(tree, near, random, 0, 4, 1);
+    const WideTree<Node8> joined = make_wide_tree<Node8>(near, tree);
+    EXPECT_EQ(joined.leaves, 1u);
+    EXPECT_EQ(joined.nodes.size(), 0u);
+    EXPECT_EQ(block_at(joined.lines.data(), 0).count, 4u);
+    EXPECT_NEAR(joined.sah_cost, double(wide_block_cost), 1e-6);
+    // Six of them have more vertices than a block.
+    near = row_of_triangles(std::vector<float>(6, 0.0f));
+    tree = {};
+    grow(tree, near, random, 0, 6, 1);
+    EXPECT_GT(make_wide_tree<Node8>(near, tree).leaves, 1u);
+}
+
+// Whatever becomes of leaves: each triangle is in one block, and its leaf's box holds it.
+TEST(BvhBuild, BlocksHoldEachTriangleOnce)
+{
+    Random random(37);
+    PackedScene scene;
+    add_soup(scene, random, 3000, 0.3f);
+    add_grid(scene, 40, 0.3f);
+    end_world(scene);
+    for (const char* builder : {"binned", "lbvh", "ploc"}) {
+        BuildOptions options;
+        options.builder = builder;
+        const WideTree<Node8> tree = make_group_tree<Node8>(scene, scene.world, options);
+        std::vector<int> seen(scene.triangles.size());
+        for (const Node8& node : tree.nodes)
+            for (uint slot = 0; slot < 8; ++slot) {
+                if (node.child[slot] >> 30 != uint(RefKind::triangle) || node.child[slot] == tree.no_child) continue;
+                std::size_t index = node.child[slot] & child_index_mask;
+                for (bool more = true; more;) {
+                    const TriangleBlock& block = block_at(tree.lines.data(), index);
+                    for (uint lane = 0; lane < block.count; ++lane) {
+                        ++seen[block.id[lane]];
+                        const Box box = box_of(scene, block.id[lane], 1);
+                        for (int axis = 0; axis < 3; ++axis) {
+                            EXPECT_LE(node.planes[2 * axis][slot], box.lower[axis]);
+                            EXPECT_GE(node.planes[2 * axis + 1][slot], box.upper[axis]);
+                        }
+                    }
+                    more = block.more != 0;
+                    index += block.size();
+                }
+            }
+        for (const int times : seen) EXPECT_EQ(times, 1) << builder;
+    }
 }
 
 TEST(BvhBuild, LeavesOutWhatHasNoPlace)

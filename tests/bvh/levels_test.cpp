@@ -1,8 +1,11 @@
 // Two levels: instances find what the same geometry finds when it is written out in world space.
+#include "snell/bvh/wide.h"
 #include "tests/bvh/scenes.h"
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
+
+#include <algorithm>
 
 namespace snell::test {
 namespace {
@@ -91,6 +94,64 @@ TEST(TwoLevels, ManyInstancesOfOneMesh)
     std::size_t found = 0;
     for (std::size_t i = 0; i < hits.size(); ++i) found += is_hit(hits[i]) && hits[i].t < 1.0f && hits[i].instance == i;
     EXPECT_GT(found, rays.size() / 2); // all meshes are alike, so all or nothing but for rounding
+}
+
+// A tree over a million of them, twice: what it takes does not depend on the mesh.
+TEST(TwoLevels, AMillionInstances)
+{
+    constexpr uint count = 1'000'000;
+    std::size_t bytes[2], mesh_bytes[2];
+    for (const int large : {0, 1}) {
+        Random random(23);
+        PackedScene scene;
+        add_soup(scene, random, large == 0 ? 10 : 5000, 0.5f);
+        end_group(scene);
+        end_world(scene);
+        const WideTree<Node8> mesh = make_group_tree<Node8>(scene, scene.groups[0], {});
+        mesh_bytes[large] = mesh.bytes();
+        scene.instances.reserve(count);
+        for (uint i = 0; i < count; ++i) {
+            const vec3 at(static_cast<float>(i % 100), static_cast<float>(i / 100 % 100),
+                          static_cast<float>(i / 10'000));
+            add_instance(scene, 0, translation(4.0f * at));
+        }
+        AccelOptions options;
+        options.build = for_each_frame({});
+        const auto accel = accels().front().make(scene, options);
+        bytes[large] = accel->stats.bytes;
+        std::vector<Ray> rays;
+        for (uint i = 0; i < count; i += 997) {
+            const Transform& place = scene.instances[i].to_world;
+            const vec3 origin(place.x.w, place.y.w, place.z.w);
+            rays.push_back(ray_between(origin + vec3(1.9f, 0.3f, 0.4f), origin));
+        }
+        std::vector<Hit> hits(rays.size());
+        accel->intersect(rays, hits);
+        std::size_t found = 0;
+        for (std::size_t i = 0; i < hits.size(); ++i) {
+            if (!is_hit(hits[i]) || hits[i].t >= 1.0f) continue; // beyond it are others
+            ++found;
+            EXPECT_EQ(hits[i].instance, 997 * i);
+        }
+        if (large == 1) {
+            EXPECT_GT(found, 900u);
+        }
+    }
+    const double rest[2] = {static_cast<double>(bytes[0] - mesh_bytes[0]),
+                            static_cast<double>(bytes[1] - mesh_bytes[1])};
+    EXPECT_GT(mesh_bytes[1], 100 * mesh_bytes[0]);
+    EXPECT_NEAR(rest[0], rest[1], 0.05 * rest[0]);
+    EXPECT_LT(bytes[0], std::size_t{count} * 80);
+}
+
+TEST(TwoLevels, TreesForEachFrameAreBuiltFast)
+{
+    EXPECT_EQ(for_each_frame({}).builder, "binned");
+    BuildOptions options;
+    options.builder = "auto";
+    EXPECT_EQ(for_each_frame(options).builder, "binned");
+    options.builder = "lbvh", options.reinsertion = 1;
+    EXPECT_EQ(for_each_frame(options), options); // as it was asked for
 }
 
 // A group without anything to hit, and instances of it, are no trouble.

@@ -305,7 +305,11 @@ TEST(Refit, OfWhatStandsStillChangesNothing)
 {
     Random random(46);
     PackedScene scene = two_levels(random);
-    const std::unique_ptr<Accel> accel = make(scene, UpdatePolicy::refit), built = make(scene, UpdatePolicy::refit);
+    AccelOptions options;
+    options.update = UpdatePolicy::refit;
+    options.build.builder = "binned"; // what builds the tree over the instances for each frame
+    const std::unique_ptr<Accel> accel = find_accel("bvh8")->make(scene, options),
+                                 built = find_accel("bvh8")->make(scene, options);
     PackedChanges changes = world_changes();
     changes.groups = {0, 1};
     accel->update(changes);
