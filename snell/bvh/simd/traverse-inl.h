@@ -235,9 +235,10 @@ void single_counted(const TraceInput<Node>& input, std::span<const Ray> rays, st
 // independent rays; a ray changes lists without a branch. The list of inner nodes is a ring, for the end of a list is a
 // branch that nobody can predict. When few rays are left in it, the other lists are worked off, where rays also end and
 // new ones begin.
-template <Query query, TriangleTest test, class Node, class Finish>
+template <Query query, class Node, class Finish>
 HWY_INLINE void trace_in_flight(const TraceInput<Node>& input, std::span<const Ray> rays, const Finish& finish)
 {
+    constexpr TriangleTest test = TriangleTest::watertight;
     constexpr std::size_t flight = 32;
     constexpr std::size_t enough = flight / 4; // rays at inner nodes that keep the processor busy
     Stacks stacks(flight, input.bvh->stack_size());
@@ -306,7 +307,7 @@ HWY_INLINE void trace_in_flight(const TraceInput<Node>& input, std::span<const R
             const TriangleBlock* block = &block_at(s.lines, s.current & child_index_mask);
             if (query == Query::any) {
                 // A ray that is blocked is done, and goes to those that are.
-                const uint found = 0u - static_cast<uint>(is_blocked<test>(block, s));
+                const uint found = 0u - static_cast<uint>(is_blocked(block, s));
                 s.hit.primitive &= ~found;
                 s.current = s.stack[--s.stack_size] | found;
                 fetch(s, s.current);
@@ -349,9 +350,9 @@ template <Query query, class Node, class Finish>
 HWY_INLINE void stream(const TraceInput<Node>& input, std::span<const Ray> rays, const Finish& finish)
 {
     if (input.triangle_test == TriangleTest::watertight)
-        trace_in_flight<query, TriangleTest::watertight>(input, rays, finish);
+        trace_in_flight<query>(input, rays, finish);
     else
-        trace_in_flight<query, TriangleTest::moller_trumbore>(input, rays, finish);
+        single<query>(input, rays, finish);
 }
 
 template <class Node>
