@@ -17,7 +17,7 @@ static constexpr std::string_view embree_summary = "Intel's Embree 3: not in thi
 
 static constexpr std::array registry = {
     AccelInfo{"bvh8", "tree of nodes with 8 children", make_wide_accel<Node8>},
-    AccelInfo{"bvh8q", "the same with boxes of 8 bits a plane: half as large", make_wide_accel<QuantisedNode>},
+    AccelInfo{"bvh8q", "the same with boxes of 8 bits a plane: nodes half as large", make_wide_accel<QuantisedNode>},
     AccelInfo{"bvh4", "tree of nodes with 4 children", make_wide_accel<Node4>},
     AccelInfo{"bvh2", "binary tree", make_wide_accel<Node2>},
     AccelInfo{"brute", "every ray against every primitive; the reference", make_brute},

@@ -216,7 +216,7 @@ HWY_INLINE bool visit_triangles(const TriangleBlock* block, RayState<Node>& s)
 }
 
 // Whether a ray meets any triangle of a leaf; without branches that depend on the answer.
-template <TriangleTest test, class Node>
+template <class Node>
 HWY_INLINE bool is_blocked(const TriangleBlock* block, RayState<Node>& s)
 {
     constexpr uint n = hn::MaxLanes(TriangleTag());
@@ -224,10 +224,7 @@ HWY_INLINE bool is_blocked(const TriangleBlock* block, RayState<Node>& s)
     for (;; block = &block_at(reinterpret_cast<const Line*>(block), block->size())) {
         for (uint first = 0; first < max_leaf_size; first += n) {
             TriangleHits hits;
-            if (test == TriangleTest::watertight)
-                watertight(*block, first, s, hits);
-            else
-                moller_trumbore(*block, first, s, hits);
+            watertight(*block, first, s, hits);
             any |= hits.ok;
             if (HWY_UNLIKELY(hits.unsure != 0)) any |= take_hits<Query::any>(*block, first, hits, s);
         }

@@ -174,8 +174,8 @@ class PacketTracer
             s.current = s.stack[--s.stack_size];
             return true;
         };
-        trace_in_flight<query, TriangleTest::watertight>(input, rays, rests.size(), Rest::most + 1, start,
-                                                         [&](const State& s) { finish(s.ray_index, s.hit); });
+        trace_in_flight<query>(input, rays, rests.size(), Rest::most + 1, start,
+                               [&](const State& s) { finish(s.ray_index, s.hit); });
         rests.clear();
     }
 

@@ -237,10 +237,11 @@ void single_counted(const TraceInput<Node>& input, std::span<const Ray> rays, st
 // new ones begin.
 // start(walker, state, number) begins with one of `count` rays, as Walker::start does, and may leave up to `pushed`
 // entries on its stack.
-template <Query query, TriangleTest test, class Node, class Start, class Finish>
+template <Query query, class Node, class Start, class Finish>
 HWY_INLINE void trace_in_flight(const TraceInput<Node>& input, std::span<const Ray> rays, std::size_t count_of_rays,
                                 uint pushed, const Start& start, const Finish& finish)
 {
+    constexpr TriangleTest test = TriangleTest::watertight;
     constexpr std::size_t flight = 32;
     constexpr std::size_t enough = flight / 4; // rays at inner nodes that keep the processor busy
     Stacks stacks(flight, input.bvh->stack_size() + pushed);
@@ -309,7 +310,7 @@ HWY_INLINE void trace_in_flight(const TraceInput<Node>& input, std::span<const R
             const TriangleBlock* block = &block_at(s.lines, s.current & child_index_mask);
             if (query == Query::any) {
                 // A ray that is blocked is done, and goes to those that are.
-                const uint found = 0u - static_cast<uint>(is_blocked<test>(block, s));
+                const uint found = 0u - static_cast<uint>(is_blocked(block, s));
                 s.hit.primitive &= ~found;
                 s.current = s.stack[--s.stack_size] | found;
                 fetch(s, s.current);
@@ -348,21 +349,21 @@ HWY_INLINE void trace_in_flight(const TraceInput<Node>& input, std::span<const R
     }
 }
 
-template <Query query, TriangleTest test, class Node, class Finish>
+template <Query query, class Node, class Finish>
 HWY_INLINE void trace_in_flight(const TraceInput<Node>& input, std::span<const Ray> rays, const Finish& finish)
 {
-    const auto start = [](const Walker<query, test, Node>& walker, RayState<Node>& s, std::size_t i)
+    const auto start = [](const Walker<query, TriangleTest::watertight, Node>& walker, RayState<Node>& s, std::size_t i)
                            HWY_ATTR { return walker.start(s, i); };
-    trace_in_flight<query, test>(input, rays, rays.size(), 0, start, finish);
+    trace_in_flight<query>(input, rays, rays.size(), 0, start, finish);
 }
 
 template <Query query, class Node, class Finish>
 HWY_INLINE void stream(const TraceInput<Node>& input, std::span<const Ray> rays, const Finish& finish)
 {
     if (input.triangle_test == TriangleTest::watertight)
-        trace_in_flight<query, TriangleTest::watertight>(input, rays, finish);
+        trace_in_flight<query>(input, rays, finish);
     else
-        trace_in_flight<query, TriangleTest::moller_trumbore>(input, rays, finish);
+        single<query>(input, rays, finish);
 }
 
 template <class Node>

@@ -29,7 +29,7 @@ struct TraceKernels
     // The nearest hits behind `after`, in the order of is_later_hit; the rays' t_min are just below its t.
     void (*next)(Input, std::span<const Ray>, std::span<const Hit> after, std::span<Hit>);
     void (*counted)(Input, std::span<const Ray>, std::span<Hit>, std::span<uint> steps);
-    // Several rays in flight: while one waits for memory, others go on. For batches.
+    // Several rays in flight: while one waits for memory, others go on. For batches. Watertight; else one by one.
     Closest stream;
     Any stream_any;
     // Sixteen rays together. For batches whose neighbours go much the same way. Watertight only.
