@@ -32,7 +32,7 @@ struct TraceKernels
     // Several rays in flight: while one waits for memory, others go on. For batches. Watertight; else one by one.
     Closest stream;
     Any stream_any;
-    // Sixteen rays together. For batches whose neighbours go much the same way. Watertight only.
+    // Up to 64 rays together. For batches whose neighbours go much the same way. Watertight only.
     Closest packets;
     Any packets_any;
 };
