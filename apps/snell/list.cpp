@@ -37,13 +37,14 @@ static std::vector<Section> sections()
     Section& accel = all.emplace_back(Section{"accels", "Acceleration structures (--accel)", {}});
     for (const AccelInfo& info : accels())
         accel.entries.push_back({std::string(info.name), std::string(info.summary), {}});
-    const std::span<const std::string> keys = accel_parameters();
-    accel.entries.push_back({"all of them", "but brute, which has no tree, take",
-                             std::vector<std::string>(keys.begin(), keys.end())});
-
     Section& builder = all.emplace_back(Section{"builders", "Builders of trees (-D builder)", {}});
     for (const BuilderInfo& info : builders())
         builder.entries.push_back({std::string(info.name), std::string(info.summary), {}});
+    Section& option = all.emplace_back(Section{"accel_parameters", "What structures take (-D)", {}});
+    for (const std::string& line : accel_parameters()) {
+        const std::size_t end = line.find("  ");
+        option.entries.push_back({line.substr(0, end), line.substr(end + 2), {}});
+    }
 
     const auto add_named = [&](const char* key, const char* title, const std::vector<Named>& names) {
         Section& section = all.emplace_back(Section{key, title, {}});
