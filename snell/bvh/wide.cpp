@@ -209,7 +209,9 @@ class Converter
         for (uint i = 0; i < children.count; ++i) boxes[i] = collapse.box(children.list[i]);
         for (uint i = 0; i < Node::width; ++i) node.child[i] = word_done;
         node.set_boxes(boxes);
-        // While a child is visited, all its siblings may be waiting.
+        // While a child is visited, all its siblings may be waiting; those that are not there as well where the
+        // rounding of a far ray may take them for met.
+        const uint siblings = (Node::empty_is_empty ? children.count : Node::width) - 1;
         Visit visit{make_child(0, self), 0, tree.nodes[child.index].box.half_area() * double(wide_node_cost)};
         const auto descend = [&](uint i) {
             const std::size_t met = seams != nullptr ? seams->met : 0;
@@ -217,7 +219,7 @@ class Converter
             if (seams != nullptr && seams->met == met + 1 && pieces[met].root.index == children.list[i].index)
                 seams->list.push_back({self, i, met});
             to.nodes[self].child[i] = below_it.word; // emit() may have moved the nodes
-            visit.stack = std::max(visit.stack, children.count - 1 + below_it.stack);
+            visit.stack = std::max(visit.stack, siblings + below_it.stack);
             visit.cost += below_it.cost;
         };
         // Leaves first: those of one node lie side by side.
