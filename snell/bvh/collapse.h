@@ -44,6 +44,8 @@ class Collapse
     // What is in a leaf. Those that were one already in the binary tree may have several blocks; of trees with spatial
     // splits others may hold a triangle twice.
     std::span<const BinaryTree::Entry> entries(const Child& leaf) const;
+    // Behind the last entry of the last leaf; leaves that are emitted one after the other mostly lie so in memory.
+    const BinaryTree::Entry* entries_end() const { return order_.data() + order_.size(); }
     Box box(const Child& child) const;
 
   private:

@@ -158,7 +158,7 @@ class Converter
 
     void prefetch(const BinaryTree::Entry* entry, std::size_t count) const
     {
-        const BinaryTree::Entry* const end = tree.order.data() + tree.order.size();
+        const BinaryTree::Entry* const end = collapse.entries_end();
         for (std::size_t i = 0; i < count; ++i, ++entry) {
             if (static_cast<std::size_t>(end - entry) <= triangles_ahead) return;
             const uint index = entry[triangles_ahead].index;
