@@ -107,7 +107,7 @@ void expect_least_cost(uint leaves)
 template <class Vector>
 bool same_bytes(const Vector& a, const Vector& b)
 {
-    return a.size() == b.size() && std::memcmp(a.data(), b.data(), a.size() * sizeof(a[0])) == 0;
+    return a.size() == b.size() && (a.empty() || std::memcmp(a.data(), b.data(), a.size() * sizeof(a[0])) == 0);
 }
 
 template <class Node>
