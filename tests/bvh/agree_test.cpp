@@ -36,8 +36,10 @@ void for_each_target(const Body& body)
     hwy::SetSupportedTargetsForTest(0);
 }
 
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-constexpr std::size_t thinning = 5;
+#if defined(__SANITIZE_THREAD__)
+constexpr std::size_t thinning = 40; // one thread traces here
+#elif defined(__SANITIZE_ADDRESS__)
+constexpr std::size_t thinning = 8;
 #else
 constexpr std::size_t thinning = 1;
 #endif
