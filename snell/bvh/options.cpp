@@ -16,7 +16,7 @@ static const std::array<std::string, 7> keys = {
     "split_budget=0.25  sbvh: references it may add, as a part of the primitives",
     "reinsertion=0  rounds of reinsertion after building, 0 to 100 (auto does two by itself)",
     "traversal=auto  auto, single, packets or stream",
-    "triangle_test=watertight  watertight or moller_trumbore",
+    "triangle_test=watertight  watertight or moller-trumbore",
     "update=auto  what changes its shape: auto, refit or rebuild",
     "rebuild_factor=1.5  update=auto: rebuild once the tree costs so much more",
 };
@@ -79,7 +79,7 @@ AccelOptions read_accel_options(const std::map<std::string, std::string>& parame
         } else if (key == "triangle_test") {
             base.triangle_test = read_choice(key, text,
                                              std::array{pair{"watertight", TriangleTest::watertight},
-                                                        pair{"moller_trumbore", TriangleTest::moller_trumbore}});
+                                                        pair{"moller-trumbore", TriangleTest::moller_trumbore}});
         } else if (key == "update") {
             base.update =
                 read_choice(key, text,
