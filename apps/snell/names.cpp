@@ -54,6 +54,13 @@ std::vector<std::string> accel_names()
     return names;
 }
 
+std::vector<std::string> builder_names()
+{
+    std::vector<std::string> names;
+    for (const BuilderInfo& info : builders()) names.emplace_back(info.name);
+    return names;
+}
+
 std::vector<std::string> parameter_names(std::string_view integrator)
 {
     std::vector<std::string> names;

@@ -20,6 +20,7 @@ const std::vector<Named>& tone_curves(); // by number, as in snell/kernel/tone.h
 std::vector<std::string> sampler_names();
 std::vector<std::string> integrator_names();
 std::vector<std::string> accel_names();
+std::vector<std::string> builder_names();
 // The -D keys of an integrator, which must exist.
 std::vector<std::string> parameter_names(std::string_view integrator);
 // Throws UsageError if there is none of that name.

@@ -4,6 +4,7 @@
 #include "render_job.h"
 #include "usage.h"
 
+#include "snell/bvh/options.h"
 #include "snell/core/error.h"
 #include "snell/io/file.h"
 #include "snell/render/integrator.h"
@@ -85,15 +86,18 @@ static void settle_technique(RenderJob& job, const RenderHints& hints, std::vect
     check_name("integrator", settings.integrator, integrator_names());
     if (!settings.accel.empty()) check_name("acceleration structure", settings.accel, accel_names());
 
-    const std::vector<std::string> keys = parameter_names(settings.integrator);
+    std::vector<std::string> keys = parameter_names(settings.integrator);
     const bool has_depth = std::find(keys.begin(), keys.end(), "max_depth") != keys.end();
     if (hints.max_depth && has_depth && !settings.parameters.contains("max_depth")) {
         settings.parameters["max_depth"] = std::to_string(std::min(*hints.max_depth, 1000u));
         taken.push_back(fmt::format("max_depth {}", *hints.max_depth));
     }
+    for (const std::string& line : accel_parameters()) keys.push_back(line.substr(0, line.find('=')));
     for (const auto& [key, value] : settings.parameters)
-        check_name("parameter of integrator " + settings.integrator, key, keys);
+        check_name("parameter of integrator " + settings.integrator + " or of structures", key, keys);
     try { // their values, on a stand-in for the camera
+        const AccelOptions options = read_accel_options(settings.parameters, settings.accel_options);
+        if (!options.build.builder.empty()) check_name("builder", options.build.builder, builder_names());
         make_render_params(settings, *find_integrator(settings.integrator), CameraDesc{}, 1.0f);
     } catch (const Error& error) {
         throw UsageError(error.what());
