@@ -1,0 +1,123 @@
+// Interactive rendering: a thread that refines pictures of a scene for as long as nothing changes, begins anew when
+// something does, and never makes its caller wait.
+#pragma once
+
+#include "snell/render/governor.h"
+#include "snell/render/render.h"
+
+#include <array>
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace snell {
+
+// What one pane of the window shows: all panes look at the same scene through the same camera, each with settings of
+// its own (integrator, sampler, accelerator, parameters, seed, spp as the number to stop at; width and height are the
+// pane's size in pixels). Settings that agree in what prepare() needs share one Prepared.
+struct PaneRequest
+{
+    RenderSettings settings;
+    bool operator==(const PaneRequest&) const = default;
+};
+
+// A picture of a pane; nothing in it changes once it was handed out.
+struct Shot
+{
+    Film film;                    // its size is the size it was rendered at, less than asked for while things move
+    int width = 0, height = 0;    // asked for
+    bool is_data = false;         // values are data, not light: see IntegratorInfo::is_view
+    std::uint64_t input = 0;      // the latest request that it answers
+    double seconds = 0;           // of rendering that are in it
+    uint spp = 0;                 // samples that every pixel has, at least
+    RenderStats stats;            // of this picture's rendering
+    std::uint64_t generation = 0; // pictures of one generation show the same thing, with ever more samples
+    bool finished = false;        // as many samples as asked for
+};
+using ShotPtr = std::shared_ptr<const Shot>;
+
+// What a change to the scene asks for. The least that is right: bits are joined.
+enum SceneChange : uint
+{
+    change_none = 0,
+    change_camera = 1,    // nothing but the camera
+    change_materials = 2, // numbers and textures of materials; emission included, lights are listed again
+    change_lights = 4,    // point, directional, spot
+    change_environment = 8,
+    change_transforms = 16, // of instances, and vertices of rigged meshes: trees follow
+    change_everything = 32  // packed and built anew
+};
+
+// What queries and edits, which run on the session's thread, get to see.
+struct SessionAccess
+{
+    Scene& scene;
+    const std::vector<PaneRequest>& panes;
+    const std::vector<const Prepared*>& prepared; // by pane; null: not prepared (loading failed, or is going on)
+};
+
+struct SessionStatus
+{
+    enum class Phase
+    {
+        empty,     // nothing was opened
+        loading,   // reading files
+        preparing, // packing, building trees
+        rendering,
+        resting, // every pane has the samples that were asked for, or the session is paused
+        failed
+    };
+    Phase phase = Phase::empty;
+    std::string name;       // of the scene
+    std::string what;       // now under way: "reading mesh.ply"; of a failure: the error, with its remedy
+    double fraction = 0;    // of loading
+    bool is_moving = false; // the governor is at work
+    GovernorState governor;
+    RenderStats stats;                              // of all panes since the scene was opened
+    double prepare_seconds = 0, update_seconds = 0; // the last of each
+    std::size_t scene_triangles = 0, peak_memory_bytes = 0;
+    std::uint64_t scene_version = 0; // counts what changes the scene: opened, edited
+};
+
+class Session
+{
+  public:
+    Session();
+    ~Session(); // cancels what is under way and ends the thread, within a tile's time (building a tree: when it is
+                // built)
+    Session(const Session&) = delete;
+    Session& operator=(const Session&) = delete;
+
+    // All of these return at once, and number the request: a Shot whose `input` is that number or larger answers it.
+
+    // Loads a scene on the session's thread (load may throw; LoadOptions::progress should call progress(), which throws
+    // to cancel loading when another scene is opened or the session ends) and completes it. What was shown goes on
+    // being shown until the new scene is there; if it fails, the old scene stays and status() says why.
+    std::uint64_t open(std::string name, std::function<Scene(const LoadProgressCallback& progress)> load);
+    void cancel_open();
+    std::uint64_t set_panes(std::vector<PaneRequest> panes); // 1 to 4
+    std::uint64_t set_camera(const CameraDesc& camera);
+    // Runs between tiles. edit() begins the pictures anew as far as the returned SceneChange bits ask for it.
+    std::uint64_t edit(std::function<uint(Scene&)> edit);
+    // Runs between tiles and changes nothing. For probes, inspectors, saving. Results come back by whatever the
+    // function captures.
+    void query(std::function<void(const SessionAccess&)> query);
+    void set_paused(bool paused);
+    void restart(); // the same pictures from their first sample
+
+    // What moves continues to move until told otherwise: the governor keeps frame times. Interaction calls this with
+    // true; set_camera() and edit() imply it for some time.
+    void set_governor(const GovernorSettings& settings);
+
+    ShotPtr shot(std::size_t pane) const; // the newest; null before the first
+    SessionStatus status() const;
+
+  private:
+    struct Impl;
+    std::unique_ptr<Impl> impl_;
+};
+
+} // namespace snell
