@@ -4,6 +4,7 @@
 
 #include "snell/render/governor.h"
 #include "snell/render/render.h"
+#include "snell/scene/change.h"
 
 #include <array>
 #include <functional>
@@ -38,18 +39,6 @@ struct Shot
     bool finished = false;        // as many samples as asked for
 };
 using ShotPtr = std::shared_ptr<const Shot>;
-
-// What a change to the scene asks for. The least that is right: bits are joined.
-enum SceneChange : uint
-{
-    change_none = 0,
-    change_camera = 1,    // nothing but the camera
-    change_materials = 2, // numbers and textures of materials; emission included, lights are listed again
-    change_lights = 4,    // point, directional, spot
-    change_environment = 8,
-    change_transforms = 16, // of instances, and vertices of rigged meshes: trees follow
-    change_everything = 32  // packed and built anew
-};
 
 // What queries and edits, which run on the session's thread, get to see.
 struct SessionAccess
