@@ -5,6 +5,7 @@
 #include "snell/scene/validate_animation.h"
 #include "snell/scene/validate_material.h"
 #include "snell/scene/validate_mesh.h"
+#include "snell/scene/validate_parts.h"
 
 #include <algorithm>
 #include <cmath>
@@ -51,6 +52,11 @@ class DefaultMaterial
 
 // ---- primitives and their places ----
 
+bool is_sphere(const SphereDesc& sphere)
+{
+    return sphere.radius > 0.0f && is_seen(vec3(sphere.radius)) && is_seen(sphere.center);
+}
+
 // Removes spheres without extent from the groups; they stay in the scene's list, so that no index changes.
 static void mend_spheres(Scene& scene, DefaultMaterial& fallback)
 {
@@ -61,7 +67,7 @@ static void mend_spheres(Scene& scene, DefaultMaterial& fallback)
         SphereDesc& sphere = scene.spheres[i];
         const auto who = [&] { return fmt::format("sphere {}", label(sphere.name, i)); };
         fallback.check(sphere.material, who);
-        if (!(sphere.radius > 0.0f) || !is_seen(vec3(sphere.radius)) || !is_seen(sphere.center)) {
+        if (!is_sphere(sphere)) {
             bad[i] = true;
             if (dropped++ == 0)
                 first = fmt::format("{} (radius {}, centre {}, {}, {})", who(), sphere.radius, sphere.center.x,
@@ -85,21 +91,36 @@ static void mend_spheres(Scene& scene, DefaultMaterial& fallback)
     }
 }
 
+void check_plane(const PlaneDesc& plane, std::size_t number)
+{
+    const auto who = [&] { return fmt::format("plane {}", label(plane.name, number)); };
+    if (!is_finite3(plane.normal) || is_black(plane.normal))
+        throw Error(
+            fmt::format("{} has the normal ({}, {}, {})", who(), plane.normal.x, plane.normal.y, plane.normal.z),
+            "give a finite direction of non-zero length");
+    if (!is_seen(plane.point))
+        throw Error(
+            fmt::format("{} goes through the point ({}, {}, {})", who(), plane.point.x, plane.point.y, plane.point.z),
+            "give a finite point");
+}
+
 static void check_planes(Scene& scene, DefaultMaterial& fallback)
 {
     for (std::size_t i = 0; i < scene.planes.size(); ++i) {
         PlaneDesc& plane = scene.planes[i];
-        const auto who = [&] { return fmt::format("plane {}", label(plane.name, i)); };
-        fallback.check(plane.material, who);
-        if (!is_finite3(plane.normal) || is_black(plane.normal))
-            throw Error(
-                fmt::format("{} has the normal ({}, {}, {})", who(), plane.normal.x, plane.normal.y, plane.normal.z),
-                "give a finite direction of non-zero length");
-        if (!is_seen(plane.point))
-            throw Error(fmt::format("{} goes through the point ({}, {}, {})", who(), plane.point.x, plane.point.y,
-                                    plane.point.z),
-                        "give a finite point");
+        fallback.check(plane.material, [&] { return fmt::format("plane {}", label(plane.name, i)); });
+        check_plane(plane, i);
     }
+}
+
+void check_instance(const InstanceDesc& instance, std::size_t number)
+{
+    const auto who = [&] { return fmt::format("instance {}", label(instance.name, number)); };
+    if (!is_usable(instance.transform))
+        throw Error(fmt::format("{}: the transform has a number that is NaN, infinite or beyond 1e18", who()));
+    if (!inverse(instance.transform))
+        throw Error(fmt::format("{}: the transform is singular, it flattens what it places", who()),
+                    "give every axis a scale other than 0");
 }
 
 static void check_instances(const Scene& scene)
@@ -109,19 +130,13 @@ static void check_instances(const Scene& scene)
         if (instance.group.value >= scene.groups.size())
             throw Error(fmt::format("instance {} refers to group {} of {}", label(instance.name, i),
                                     static_cast<std::int32_t>(instance.group.value), scene.groups.size()));
-        if (!is_usable(instance.transform))
-            throw Error(fmt::format("instance {}: the transform has a number that is NaN, infinite or beyond 1e18",
-                                    label(instance.name, i)));
-        if (!inverse(instance.transform))
-            throw Error(fmt::format("instance {}: the transform is singular, it flattens what it places",
-                                    label(instance.name, i)),
-                        "give every axis a scale other than 0");
+        check_instance(instance, i);
     }
 }
 
 // ---- lights and cameras ----
 
-static void mend_light(Scene& scene, LightDesc& light, std::size_t number)
+std::string mend_light(LightDesc& light, std::size_t number)
 {
     const std::string who = fmt::format("light {}", label(light.name, number));
     if (light.kind != light_point && light.kind != light_directional && light.kind != light_spot)
@@ -152,10 +167,10 @@ static void mend_light(Scene& scene, LightDesc& light, std::size_t number)
         light.inner_degrees = std::clamp(light.inner_degrees, 0.0f, light.outer_degrees);
         if (inner != light.inner_degrees || outer != light.outer_degrees) say("cone angles");
     }
-    if (!mended.empty()) warn(scene, fmt::format("{}: mended: {}", who, mended));
+    return mended;
 }
 
-static void check_camera(Scene& scene, CameraDesc& camera, std::size_t number)
+std::string mend_camera(CameraDesc& camera, std::size_t number)
 {
     const std::string who = fmt::format("camera {}", label(camera.name, number));
     if (!is_finite3(camera.eye) || !is_finite3(camera.target))
@@ -169,8 +184,9 @@ static void check_camera(Scene& scene, CameraDesc& camera, std::size_t number)
     const bool usable = is_finite3(camera.up) && !is_black(camera.up);
     if (!usable || length(cross(view, normalize(camera.up))) < 1e-4f) {
         camera.up = abs(view.y) < 0.9f ? vec3(0, 1, 0) : vec3(0, 0, -1);
-        warn(scene, fmt::format("{}: the up direction is zero or along the view; replaced", who));
+        return "the up direction is zero or along the view; replaced";
     }
+    return {};
 }
 
 void validate(Scene& scene)
@@ -197,8 +213,12 @@ void validate(Scene& scene)
     fallback.report();
     check_instances(scene);
     validate_animation(scene);
-    for (std::size_t i = 0; i < scene.lights.size(); ++i) mend_light(scene, scene.lights[i], i);
-    for (std::size_t i = 0; i < scene.cameras.size(); ++i) check_camera(scene, scene.cameras[i], i);
+    for (std::size_t i = 0; i < scene.lights.size(); ++i)
+        if (const std::string mended = mend_light(scene.lights[i], i); !mended.empty())
+            warn(scene, fmt::format("light {}: mended: {}", label(scene.lights[i].name, i), mended));
+    for (std::size_t i = 0; i < scene.cameras.size(); ++i)
+        if (const std::string mended = mend_camera(scene.cameras[i], i); !mended.empty())
+            warn(scene, fmt::format("camera {}: {}", label(scene.cameras[i].name, i), mended));
     validate_environment(scene);
 }
 

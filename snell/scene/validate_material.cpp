@@ -12,7 +12,7 @@ namespace snell {
 
 // ---- pictures ----
 
-static void check_image(const Image& image, std::size_t number)
+void check_image(const Image& image, std::size_t number)
 {
     const std::string who = fmt::format("image {}", label(image.name, number));
     if (image.format > texels_rgba32f) throw Error(fmt::format("{}: unknown texel format {}", who, image.format));
@@ -125,7 +125,7 @@ static void mend_principled(PrincipledDesc& p, const std::function<void(const ch
     if (mend_reflectance(p.diffuse_transmission_color, 1.0f)) say("colour of the diffuse transmission");
 }
 
-static void mend_material(Scene& scene, MaterialDesc& m, std::size_t number)
+std::string mend_material(const Scene& scene, MaterialDesc& m, std::size_t number)
 {
     const std::string who = fmt::format("material {}", label(m.name, number));
     if (m.kind >= material_kinds) throw Error(fmt::format("{}: unknown kind {}", who, m.kind));
@@ -171,7 +171,7 @@ static void mend_material(Scene& scene, MaterialDesc& m, std::size_t number)
             say("sum of diffuse and specular reflectance");
         }
     }
-    if (!mended.empty()) warn(scene, fmt::format("{}: not physical, mended: {}", who, mended));
+    return mended;
 }
 
 void validate_materials(Scene& scene)
@@ -180,7 +180,9 @@ void validate_materials(Scene& scene)
     std::vector<bool> mended(scene.images.size(), false);
     for (std::size_t i = 0; i < scene.materials.size(); ++i) {
         MaterialDesc& m = scene.materials[i];
-        mend_material(scene, m, i);
+        const std::string mended_numbers = mend_material(scene, m, i);
+        if (!mended_numbers.empty())
+            warn(scene, fmt::format("material {}: not physical, mended: {}", label(m.name, i), mended_numbers));
         std::vector<uint> reflectances = {m.base_texture.image.value};
         if (m.kind == material_principled)
             for (const TextureRef* ref : textures(m.principled)) reflectances.push_back(ref->image.value);
@@ -192,11 +194,10 @@ void validate_materials(Scene& scene)
     }
 }
 
-void validate_environment(Scene& scene)
+std::string mend_environment(const Scene& scene, EnvironmentDesc& e)
 {
-    EnvironmentDesc& e = scene.environment;
-    if (mend_nonnegative(e.radiance))
-        warn(scene, "the environment's radiance was negative or not finite; that part is now 0");
+    const std::string mended =
+        mend_nonnegative(e.radiance) ? "the environment's radiance was negative or not finite; that part is now 0" : "";
     if (e.mapping > environment_octahedral) throw Error(fmt::format("unknown environment mapping {}", e.mapping));
     const vec3 x(e.to_world.x), y(e.to_world.y), z(e.to_world.z);
     constexpr float tolerance = 1e-3f;
@@ -204,10 +205,13 @@ void validate_environment(Scene& scene)
           abs(dot(x, y)) < tolerance && abs(dot(y, z)) < tolerance && abs(dot(z, x)) < tolerance))
         throw Error("the environment's transform is neither a rotation nor a mirrored one",
                     "give it axes of length 1 at right angles");
-    if (!e.image.valid()) return;
-    if (e.image.value >= scene.images.size())
+    if (e.image.valid() && e.image.value >= scene.images.size())
         throw Error(fmt::format("the environment refers to image {} of {}", e.image.value, scene.images.size()));
-    Image& image = scene.images[e.image.value];
+    return mended;
+}
+
+std::size_t mend_radiances(Image& image)
+{
     std::size_t mended = 0;
     constexpr float brightest = 1e9f; // sums and squares of samples stay finite
     for (float& value : image.floats) {
@@ -215,6 +219,17 @@ void validate_environment(Scene& scene)
         value = value > brightest ? brightest : 0.0f;
         ++mended;
     }
+    return mended;
+}
+
+void validate_environment(Scene& scene)
+{
+    EnvironmentDesc& e = scene.environment;
+    const std::string mended_numbers = mend_environment(scene, e);
+    if (!mended_numbers.empty()) warn(scene, mended_numbers);
+    if (!e.image.valid()) return;
+    Image& image = scene.images[e.image.value];
+    const std::size_t mended = mend_radiances(image);
     if (mended > 0)
         warn(scene, fmt::format("environment image {}: {} values that were negative, not finite or above 1e9 were "
                                 "replaced",
