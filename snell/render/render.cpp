@@ -57,7 +57,7 @@ static void apply_overrides(PackedScene& packed, const RenderSettings& settings)
     }
 }
 
-std::unique_ptr<Prepared> prepare(const Scene& scene, const RenderSettings& settings)
+void Prepared::build(const Scene& scene)
 {
     const AccelInfo* info = settings.accel.empty() ? &accels().front() : find_accel(settings.accel);
     if (info == nullptr)
@@ -66,31 +66,53 @@ std::unique_ptr<Prepared> prepare(const Scene& scene, const RenderSettings& sett
     set_thread_count(settings.threads);
     const AccelOptions options = read_accel_options(settings.parameters, settings.accel_options);
 
-    auto prepared = std::make_unique<Prepared>();
+    is_usable_ = false;
     Timer timer;
-    if (settings.keep_motion) prepared->motion = std::make_unique<MotionMap>();
-    prepared->packed = settings.keep_motion ? pack(scene, *prepared->motion) : pack(scene);
-    apply_overrides(prepared->packed, settings);
+    accel.reset(); // refers to what is replaced
+    packed = {};   // not two of them at a time
+    if (settings.keep_motion && !motion) motion = std::make_unique<MotionMap>();
+    packed = settings.keep_motion ? pack(scene, *motion) : pack(scene);
+    apply_overrides(packed, settings);
     // An update() will list the lights with the materials that are there then: so do that now as well.
-    if (settings.keep_motion && !settings.image_textures) pack_lights(scene, prepared->packed);
-    prepared->camera = scene.cameras.front();
-    prepared->pack_seconds = timer.lap();
-    prepared->accel = info->make(prepared->packed, options);
-    prepared->build_seconds = timer.seconds();
+    if (settings.keep_motion && !settings.image_textures) pack_lights(scene, packed);
+    camera = scene.cameras.front();
+    pack_seconds = timer.lap();
+    accel = info->make(packed, options);
+    build_seconds = timer.seconds();
+    is_usable_ = true;
+}
+
+std::unique_ptr<Prepared> prepare(const Scene& scene, const RenderSettings& settings)
+{
+    auto prepared = std::make_unique<Prepared>();
+    prepared->settings = settings;
+    prepared->build(scene);
     return prepared;
 }
 
-void Prepared::update(const Scene& scene)
+void Prepared::update(const Scene& scene, uint bits)
 {
     SNELL_CHECK_EQ(motion != nullptr, true);
     if (scene.cameras.empty()) throw Error("the scene has no camera", "call complete() before rendering it");
     Timer timer;
-    changes = repose(scene, packed, *motion);
+    set_thread_count(settings.threads);
+    if (!is_usable_) bits = change_everything;
+    is_usable_ = false;
+    const std::optional<PackedChanges> followed =
+        follow(scene, packed, *motion, bits, [this](PackedScene& fresh) { apply_overrides(fresh, settings); });
+    updated = followed.has_value();
+    if (!updated) {
+        changes = {};
+        build(scene);
+        ++builds;
+        return;
+    }
+    changes = *followed;
     camera = scene.cameras.front();
     pack_seconds = timer.lap();
     accel->update(changes);
     build_seconds = timer.seconds();
-    updated = true;
+    is_usable_ = true;
 }
 
 static Region checked_region(const RenderSettings& settings)

@@ -51,14 +51,23 @@ struct Prepared
     std::unique_ptr<Accel> accel;
     CameraDesc camera;
     double pack_seconds = 0, build_seconds = 0; // of the last prepare() or update()
-    bool updated = false;                       // the last was an update()
-    PackedChanges changes;                      // that it followed
+    bool updated = false;                       // the last was an update() that did not have to pack and build anew
+    std::size_t builds = 1;                     // how often everything was packed and built
+    PackedChanges changes;                      // that the last update() followed
     std::unique_ptr<MotionMap> motion;          // with RenderSettings::keep_motion
+    RenderSettings settings;                    // that prepare() was called with
 
-    // Follows the scene, from prepare() with keep_motion, into another pose(): what did not move is not touched. Every
-    // picture is then what it would be had the scene been prepared in this pose, bit for bit (but for the steps of rays
-    // through trees that were refitted).
-    void update(const Scene& scene);
+    // Follows the scene, from prepare() with keep_motion, which has changed since then or since the last update():
+    // `changes` are SceneChange bits that say in what. What did not change is not touched. Every picture is then what
+    // it would be had the scene been prepared as it is now, bit for bit (but for the steps of rays through trees that
+    // were refitted). Nobody may render meanwhile. Throws Error as prepare() does; nothing can then be rendered until
+    // an update(), with whatever bits, succeeds.
+    void update(const Scene& scene, uint changes = change_pose);
+
+  private:
+    bool is_usable_ = true; // false: an update() has failed halfway
+    void build(const Scene& scene);
+    friend std::unique_ptr<Prepared> prepare(const Scene& scene, const RenderSettings& settings);
 };
 
 // The scene must be valid and complete. Throws Error for unknown names.

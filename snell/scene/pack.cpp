@@ -40,8 +40,9 @@ static void fill_geometry(const Scene& scene, const PackPlan& plan, PackedScene&
     });
 }
 
-static void pack_planes(const Scene& scene, PackedScene& packed)
+void pack_planes(const Scene& scene, PackedScene& packed)
 {
+    packed.planes.clear();
     for (std::size_t i = 0; i < scene.planes.size(); ++i) {
         const PlaneDesc& desc = scene.planes[i];
         Plane plane = {};
@@ -70,7 +71,8 @@ PackedScene pack(const Scene& scene)
     pack_parts(scene, std::vector<std::uint8_t>(scene.groups.size(), 0), packed);
     fill_bounds(scene_bounds(scene), packed);
     pack_lights(scene, packed);
-    pack_environment(scene, packed);
+    EnvironmentCells cells;
+    pack_environment(scene, packed, cells);
     return packed;
 }
 
@@ -78,10 +80,11 @@ PackedScene pack(const Scene& scene, MotionMap& motion)
 {
     PackedScene packed;
     motion = {};
-    motion.plan = pack_parts(scene, moving_groups(scene), packed);
+    motion.moving = moving_groups(scene);
+    motion.plan = pack_parts(scene, motion.moving, packed);
     survey_motion(scene, packed, motion);
     pack_lights(scene, packed);
-    pack_environment(scene, packed);
+    pack_environment(scene, packed, motion.environment);
     return packed;
 }
 

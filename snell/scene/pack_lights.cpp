@@ -28,15 +28,14 @@ static std::size_t number_lights(PackedScene& packed, const PackedGroup& group, 
         const uint s = packed.triangles[t].surface;
         std::size_t surface_end =
             s + 1 < packed.surfaces.size() ? packed.surfaces[s + 1].first_triangle : packed.triangles.size();
-        if (is_emissive(packed, packed.surfaces[s].material)) {
-            packed.surfaces[s].first_light = static_cast<uint>(next);
-            next += surface_end - t;
-        }
+        const bool shines = is_emissive(packed, packed.surfaces[s].material);
+        packed.surfaces[s].first_light = shines ? static_cast<uint>(next) : none;
+        if (shines) next += surface_end - t;
         t = surface_end;
     }
     for (uint i = 0; i < group.sphere_count; ++i) {
         Sphere& sphere = packed.spheres[group.first_sphere + i];
-        if (is_emissive(packed, sphere.material)) sphere.light = static_cast<uint>(next++);
+        sphere.light = is_emissive(packed, sphere.material) ? static_cast<uint>(next++) : none;
     }
     return next - first;
 }

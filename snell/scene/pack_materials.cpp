@@ -159,6 +159,7 @@ void pack_images(const Scene& scene, PackedScene& packed)
         words += std::size_t{image.width} * image.height * (image.format == texels_rgba32f ? 4 : 1);
     if (words >= none) throw Error(fmt::format("the textures have {} words of texels; 2^32 is the limit", words));
     packed.texels.resize(words);
+    packed.textures.clear();
     std::size_t offset = 0;
     for (const Image& image : scene.images) {
         packed.textures.push_back({static_cast<uint>(offset), image.width, image.height, image.format});

@@ -64,6 +64,43 @@ static bool is_unrotated(const Transform& m)
            m.y.z == 0.0f && m.z.x == 0.0f && m.z.y == 0.0f;
 }
 
+// A map that makes spheres ellipsoids, or that turns textured ones, cannot be applied beforehand.
+static bool can_be_baked(const Scene& scene, const std::vector<std::uint8_t>& textured, const InstanceDesc& instance)
+{
+    const Group& group = scene.groups[instance.group.value];
+    if (group.spheres.empty()) return true;
+    if (uniform_scale(instance.transform) == 0.0f) return false;
+    if (is_unrotated(instance.transform)) return true;
+    return std::none_of(group.spheres.begin(), group.spheres.end(), [&](Index<SphereDesc> sphere) {
+        return textured[scene.spheres[sphere.value].material.value] != 0;
+    });
+}
+
+std::vector<std::uint8_t> textured_materials(const std::vector<Material>& materials)
+{
+    std::vector<std::uint8_t> textured;
+    textured.reserve(materials.size());
+    for (const Material& material : materials) textured.push_back(is_textured(material) ? 1 : 0);
+    return textured;
+}
+
+std::vector<uint> baked_instances(const Scene& scene, const std::vector<std::uint8_t>& textured,
+                                  std::vector<std::uint8_t>& stays)
+{
+    std::vector<std::size_t> uses(scene.groups.size(), 0);
+    for (const InstanceDesc& instance : scene.instances) ++uses[instance.group.value];
+    std::vector<uint> baked;
+    for (std::size_t i = 0; i < scene.instances.size(); ++i) {
+        const InstanceDesc& instance = scene.instances[i];
+        const uint g = instance.group.value;
+        if (stays[g] != 0 || uses[g] > 1 || !can_be_baked(scene, textured, instance))
+            stays[g] = 1;
+        else
+            baked.push_back(static_cast<uint>(i));
+    }
+    return baked;
+}
+
 namespace {
 class Planner
 {
@@ -76,7 +113,6 @@ class Planner
     PackPlan run(std::vector<std::uint8_t> stays);
 
   private:
-    bool can_be_baked(const InstanceDesc& instance) const;
     void plan_mesh(uint mesh);
     PackedGroup add_group(const Group& group, uint baked, uint number);
 
@@ -85,18 +121,6 @@ class Planner
     PackPlan plan_;
 };
 } // namespace
-
-// A map that makes spheres ellipsoids, or that turns textured ones, cannot be applied beforehand.
-bool Planner::can_be_baked(const InstanceDesc& instance) const
-{
-    const Group& group = scene_.groups[instance.group.value];
-    if (group.spheres.empty()) return true;
-    if (uniform_scale(instance.transform) == 0.0f) return false;
-    if (is_unrotated(instance.transform)) return true;
-    return std::none_of(group.spheres.begin(), group.spheres.end(), [&](Index<SphereDesc> sphere) {
-        return is_textured(materials_[scene_.spheres[sphere.value].material.value]);
-    });
-}
 
 void Planner::plan_mesh(uint index)
 {
@@ -194,18 +218,8 @@ PackedGroup Planner::add_group(const Group& group, uint baked, uint number)
 
 PackPlan Planner::run(std::vector<std::uint8_t> stays)
 {
-    std::vector<std::size_t> uses(scene_.groups.size(), 0);
-    for (const InstanceDesc& instance : scene_.instances) ++uses[instance.group.value];
-    for (std::size_t i = 0; i < scene_.instances.size(); ++i) {
-        const InstanceDesc& instance = scene_.instances[i];
-        const uint g = instance.group.value;
-        if (stays[g] != 0 || uses[g] > 1 || !can_be_baked(instance)) {
-            stays[g] = 1;
-            continue;
-        }
-        plan_.baked.push_back(static_cast<uint>(i));
-        add_group(scene_.groups[g], static_cast<uint>(i), none);
-    }
+    plan_.baked = baked_instances(scene_, textured_materials(materials_), stays);
+    for (const uint i : plan_.baked) add_group(scene_.groups[scene_.instances[i].group.value], i, none);
     plan_.world.triangle_count = static_cast<uint>(plan_.triangles);
     plan_.world.sphere_count = static_cast<uint>(plan_.sphere_placements.size());
 

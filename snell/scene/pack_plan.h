@@ -68,6 +68,15 @@ struct PackPlan
 // and those placed on a node that one moves. By group.
 std::vector<std::uint8_t> moving_groups(const Scene& scene);
 
+// Which instances are moved into world space beforehand, ascending: those whose group is placed once, unless `stays`
+// says otherwise, or it has spheres that would become ellipsoids, or textured ones that would turn. Such groups are
+// then marked in `stays`. textured: by material, 1: it looks something up by texture coordinates.
+std::vector<uint> baked_instances(const Scene& scene, const std::vector<std::uint8_t>& textured,
+                                  std::vector<std::uint8_t>& stays);
+
+// For baked_instances(): by material.
+std::vector<std::uint8_t> textured_materials(const std::vector<Material>& materials);
+
 // materials: those of the scene, packed. stays: by group, 1: it is not moved into world space even if it could be.
 // Throws Error if there are more primitives than can be numbered.
 PackPlan plan_pack(const Scene& scene, const std::vector<Material>& materials, const std::vector<std::uint8_t>& stays);

@@ -3,7 +3,6 @@
 #include "snell/core/error.h"
 #include "snell/core/parallel.h"
 #include "snell/scene/bounds.h"
-#include "snell/scene/lights.h"
 #include "snell/scene/pack_fill.h"
 
 #include <algorithm>
@@ -20,14 +19,10 @@ static bool same(const Transform& a, const Transform& b)
 
 // ---- bounds ----
 
-static Bounds fixed_bounds(const Scene& scene, const PackPlan& plan)
+static Bounds box_of(const Scene& scene, uint baked)
 {
-    Bounds bounds;
-    for (const uint i : plan.baked) {
-        const InstanceDesc& instance = scene.instances[i];
-        extend(bounds, group_bounds(scene, scene.groups[instance.group.value], instance.transform));
-    }
-    return bounds;
+    const InstanceDesc& instance = scene.instances[baked];
+    return group_bounds(scene, scene.groups[instance.group.value], instance.transform);
 }
 
 static Bounds box_of(const Scene& scene, const GroupPlacement& group)
@@ -37,7 +32,8 @@ static Bounds box_of(const Scene& scene, const GroupPlacement& group)
 
 static Bounds bounds_of_all(const PackedScene& packed, const MotionMap& motion)
 {
-    Bounds all = motion.fixed;
+    Bounds all;
+    for (const Bounds& box : motion.baked_boxes) extend(all, box);
     std::mutex mutex;
     parallel_ranges(packed.instances.size(), 1 << 12, [&](std::size_t begin, std::size_t end) {
         Bounds some;
@@ -69,14 +65,26 @@ void survey_motion(const Scene& scene, PackedScene& packed, MotionMap& motion)
     const PackPlan& plan = motion.plan;
     motion.rigged.assign(scene.meshes.size(), 0);
     for (const Rig& rig : scene.rigs) motion.rigged[rig.mesh.value] = 1;
-    for (const uint i : plan.baked) motion.baked.push_back(scene.instances[i].transform);
-
-    motion.fixed = fixed_bounds(scene, plan);
+    motion.textured = textured_materials(packed.materials);
+    motion.counts = counts_of(scene);
+    for (const uint i : plan.baked) {
+        motion.baked.push_back(scene.instances[i].transform);
+        motion.baked_boxes.push_back(box_of(scene, i));
+    }
     for (const GroupPlacement& group : plan.groups) motion.boxes.push_back(box_of(scene, group));
     fill_bounds(bounds_of_all(packed, motion), packed);
+    find_shining(packed, motion);
+}
 
-    motion.shines.assign(plan.groups.size(), 0);
-    for (const MeshPlacement& placement : plan.mesh_placements)
+std::array<std::size_t, 4> counts_of(const Scene& scene)
+{
+    return {scene.meshes.size(), scene.spheres.size(), scene.groups.size(), scene.instances.size()};
+}
+
+void find_shining(const PackedScene& packed, MotionMap& motion)
+{
+    motion.shines.assign(motion.plan.groups.size(), 0);
+    for (const MeshPlacement& placement : motion.plan.mesh_placements)
         if (placement.group != none && has_lights(packed, motion, placement)) motion.shines[placement.group] = 1;
     for (std::size_t g = 0; g < packed.groups.size(); ++g) {
         const auto first = packed.spheres.begin() + packed.groups[g].first_sphere;
@@ -98,32 +106,33 @@ class Reposer
     {
     }
 
-    PackedChanges run()
+    PackedChanges run(bool shapes, bool& lights)
     {
         find_moved();
         write_meshes();
-        write_spheres();
+        write_world_spheres(shapes);
+        if (shapes) write_group_spheres();
         write_instances();
         for (std::size_t g = 0; g < groups_.size(); ++g)
             if (groups_[g] != 0) changes_.groups.push_back(static_cast<uint>(g));
         write_bounds();
-        if (lights_change_ || lamps_have_moved()) pack_lights(scene_, packed_);
+        lights |= lights_change_;
         return changes_;
     }
 
   private:
     void find_moved();
     void write_meshes();
-    void write_spheres();
+    void write_world_spheres(bool all);
+    void write_group_spheres();
     void write_instances();
     void write_bounds();
-    bool lamps_have_moved() const;
 
     const Scene& scene_;
     PackedScene& packed_;
     MotionMap& motion_;
     PackedChanges changes_;
-    std::vector<std::uint8_t> moved_;  // by instance of the scene: it lies in world space, and elsewhere than before
+    std::vector<std::uint8_t> moved_;  // by instance of the scene: it lies in world space, and otherwise than before
     std::vector<std::uint8_t> groups_; // by packed group: it has changed its shape
     bool some_moved_ = false, lights_change_ = false;
 };
@@ -169,22 +178,35 @@ void Reposer::write_meshes()
         if (changed[i] == 0) continue;
         const MeshPlacement& p = plan.mesh_placements[suspects[i]];
         if (p.group == none)
-            changes_.world = true;
+            changes_.world = true, moved_[p.baked] = 1;
         else
             groups_[p.group] = 1;
         lights_change_ |= has_lights(packed_, motion_, p);
     }
 }
 
-void Reposer::write_spheres()
+void Reposer::write_world_spheres(bool all)
 {
-    if (!some_moved_) return;
+    if (!some_moved_ && !all) return;
     for (std::size_t i = 0; i < packed_.world.sphere_count; ++i) {
-        if (moved_[motion_.plan.sphere_placements[i].baked] == 0) continue;
+        const uint baked = motion_.plan.sphere_placements[i].baked;
+        if (moved_[baked] == 0 && !all) continue;
         if (!fill_sphere(scene_, motion_.plan, i, packed_)) continue;
         changes_.world = true;
+        moved_[baked] = 1;
         lights_change_ |= has_lights(packed_, packed_.spheres[i]);
     }
+}
+
+void Reposer::write_group_spheres()
+{
+    for (std::size_t g = 0; g < packed_.groups.size(); ++g)
+        for (uint i = 0; i < packed_.groups[g].sphere_count; ++i) {
+            const uint number = packed_.groups[g].first_sphere + i;
+            if (!fill_sphere(scene_, motion_.plan, number, packed_)) continue;
+            groups_[g] = 1;
+            lights_change_ |= has_lights(packed_, packed_.spheres[number]);
+        }
 }
 
 void Reposer::write_instances()
@@ -204,7 +226,8 @@ void Reposer::write_instances()
 void Reposer::write_bounds()
 {
     if (!changes_.any()) return;
-    if (changes_.world) motion_.fixed = fixed_bounds(scene_, motion_.plan);
+    for (std::size_t i = 0; i < motion_.plan.baked.size(); ++i)
+        if (moved_[motion_.plan.baked[i]] != 0) motion_.baked_boxes[i] = box_of(scene_, motion_.plan.baked[i]);
     for (const uint g : changes_.groups) motion_.boxes[g] = box_of(scene_, motion_.plan.groups[g]);
     const float radius = packed_.radius;
     fill_bounds(bounds_of_all(packed_, motion_), packed_);
@@ -214,30 +237,16 @@ void Reposer::write_bounds()
     lights_change_ |= std::any_of(scene_.lights.begin(), scene_.lights.end(), is_directional);
 }
 
-bool Reposer::lamps_have_moved() const
+PackedChanges follow_geometry(const Scene& scene, PackedScene& packed, MotionMap& motion, bool shapes, bool& lights)
 {
-    for (std::size_t i = 0; i < scene_.lights.size(); ++i) {
-        Light light = make_light(scene_.lights[i]);
-        const Light& old = packed_.lights[i];
-        light.select_pdf = old.select_pdf;
-        light.alias_threshold = old.alias_threshold;
-        light.alias = old.alias;
-        if (std::memcmp(&light, &old, sizeof(Light)) != 0) return true;
-    }
-    return false;
+    return Reposer(scene, packed, motion).run(shapes, lights);
 }
 
 PackedChanges repose(const Scene& scene, PackedScene& packed, MotionMap& motion)
 {
-    const PackPlan& plan = motion.plan;
-    SNELL_CHECK_EQ(scene.meshes.size(), plan.meshes.size());
-    SNELL_CHECK_EQ(scene.meshes.size(), motion.rigged.size());
-    SNELL_CHECK_EQ(packed.positions.size(), plan.positions);
-    SNELL_CHECK_EQ(packed.triangles.size(), plan.triangles);
-    SNELL_CHECK_EQ(packed.instances.size(), plan.instances.size());
-    SNELL_CHECK_EQ(packed.groups.size(), motion.boxes.size());
-    SNELL_CHECK_LE(scene.lights.size(), packed.lights.size());
-    return Reposer(scene, packed, motion).run();
+    const std::optional<PackedChanges> changes = follow(scene, packed, motion, change_pose);
+    SNELL_CHECK_EQ(changes.has_value(), true);
+    return *changes;
 }
 
 } // namespace snell
