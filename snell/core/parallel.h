@@ -1,6 +1,7 @@
 // Threads, thin over oneTBB.
 #pragma once
 
+#include <atomic>
 #include <cstddef>
 #include <functional>
 
@@ -9,6 +10,25 @@ namespace snell {
 // Limits all later parallel work to that many threads (0: as many as the machine has), until changed again.
 void set_thread_count(int threads);
 int thread_count();
+
+// While one lives, what its thread does through the functions below, and what that does in turn, can be stopped: soon
+// after `cancel` has become true they throw Cancelled. What the calls were to fill is then of no use.
+class CancelScope
+{
+  public:
+    explicit CancelScope(const std::atomic<bool>& cancel);
+    ~CancelScope();
+    CancelScope(const CancelScope&) = delete;
+    CancelScope& operator=(const CancelScope&) = delete;
+
+  private:
+    const std::atomic<bool>* outer_;
+};
+
+// No std::exception: nothing went wrong, and nobody on the way is to take it for a failure that it can mend.
+struct Cancelled
+{
+};
 
 // Calls body(i) for each i in [0, count), in any order, from several threads. An exception from a body stops the rest
 // and is thrown here.

@@ -93,5 +93,58 @@ TEST_F(Parallel, ThreadCount)
     EXPECT_GE(thread_count(), 1);
 }
 
+TEST_F(Parallel, WhatIsCancelledStops)
+{
+    for (const int threads : {1, 4}) {
+        set_thread_count(threads);
+        std::atomic<bool> cancel = false;
+        std::atomic<int> calls = 0;
+        const auto work = [&] {
+            parallel_for(1000, [&](std::size_t) {
+                parallel_both([&] { ++calls; },
+                              [&] { parallel_ranges(10, 1, [&](std::size_t, std::size_t) { ++calls; }); });
+                if (calls > 100) cancel = true;
+            });
+        };
+        {
+            const CancelScope scope(cancel);
+            EXPECT_THROW(work(), Cancelled);
+        }
+        EXPECT_GT(calls, 100);
+        EXPECT_LT(calls, 5000);
+        // outside, nobody asks
+        calls = 0;
+        work();
+        EXPECT_EQ(calls, 11000);
+        // and another's cancelling is not mine
+        std::atomic<bool> mine = false;
+        const CancelScope scope(mine);
+        calls = 0;
+        work();
+        EXPECT_EQ(calls, 11000);
+    }
+}
+
+// An inner call must not return with half of its work done because something beside it has thrown.
+TEST_F(Parallel, AnInnerCallReturnsCompleteOrNotAtAll)
+{
+    for (int attempt = 0; attempt < 50; ++attempt) {
+        std::atomic<bool> half_done = false;
+        const auto inner = [&] {
+            std::vector<int> visits(500, 0);
+            parallel_for(visits.size(), [&](std::size_t i) { visits[i] = 1; });
+            for (const int visit : visits)
+                if (visit == 0) half_done = true;
+        };
+        EXPECT_THROW(parallel_for(64,
+                                  [&](std::size_t i) {
+                                      if (i == 40) throw std::runtime_error("one of them");
+                                      inner();
+                                  }),
+                     std::runtime_error);
+        EXPECT_FALSE(half_done);
+    }
+}
+
 } // namespace
 } // namespace snell
