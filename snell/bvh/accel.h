@@ -45,6 +45,8 @@ struct AccelOptions
     UpdatePolicy update = UpdatePolicy::automatic;
     double rebuild_factor = 1.5;
     std::filesystem::path cache; // folder that keeps trees; empty: none
+
+    bool operator==(const AccelOptions&) const = default;
 };
 
 struct AccelStats

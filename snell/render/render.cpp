@@ -3,26 +3,15 @@
 #include "snell/bvh/options.h"
 #include "snell/core/error.h"
 #include "snell/core/parallel.h"
-#include "snell/core/text.h"
 #include "snell/core/timer.h"
 #include "snell/kernel/views.h"
-#include "snell/render/backend.h"
-#include "snell/render/params.h"
+#include "snell/render/rendering.h"
+#include "snell/render/suggestion.h"
 #include "snell/scene/lights.h"
 
 #include <algorithm>
 
 namespace snell {
-
-// The nearest name, or all of them.
-template <class Infos>
-static std::string suggestion(const std::string& name, const Infos& infos)
-{
-    std::vector<std::string> names;
-    for (const auto& info : infos) names.emplace_back(info.name);
-    const std::string near = nearest(name, names);
-    return near.empty() ? fmt::format("there are {}", fmt::join(names, ", ")) : fmt::format("did you mean '{}'?", near);
-}
 
 static void forget_textures(Material& material)
 {
@@ -115,49 +104,22 @@ void Prepared::update(const Scene& scene, uint bits)
     is_usable_ = true;
 }
 
-static Region checked_region(const RenderSettings& settings)
-{
-    if (settings.width < 1 || settings.height < 1 || settings.width > 65536 || settings.height > 65536)
-        throw Error(fmt::format("a picture of {}x{} pixels", settings.width, settings.height),
-                    "each side must have 1 to 65536 pixels");
-    if (settings.spp < 1) throw Error("0 samples a pixel", "give --spp a number of at least 1");
-    const Region whole{0, 0, settings.width, settings.height};
-    if (!settings.region) return whole;
-    const Region r{std::max(settings.region->x0, 0), std::max(settings.region->y0, 0),
-                   std::min(settings.region->x1, whole.x1), std::min(settings.region->y1, whole.y1)};
-    if (r.x0 >= r.x1 || r.y0 >= r.y1) throw Error("the region to render has no pixel inside the picture");
-    return r;
-}
-
 RenderResult render(const Prepared& prepared, const RenderSettings& settings, const ProgressCallback& progress,
                     const std::atomic<bool>* cancel)
 {
-    const Region region = checked_region(settings);
-    const IntegratorInfo* integrator = find_integrator(settings.integrator);
-    if (integrator == nullptr)
-        throw Error(fmt::format("there is no integrator '{}'", settings.integrator),
-                    suggestion(settings.integrator, integrators()));
-    const RenderParams params = make_render_params(settings, *integrator, prepared.camera, prepared.packed.radius);
+    Rendering rendering(prepared, settings, prepared.camera);
     set_thread_count(settings.threads);
 
-    RenderResult result;
-    result.film = Film(settings.width, settings.height, settings.layers);
-    if (prepared.packed.environment.is_visible == 0u)
-        result.film.seen_through.assign(result.film.sample_count.size(), 0u);
-    const std::unique_ptr<Backend> backend =
-        make_cpu_backend({prepared.packed, *prepared.accel, params, settings, *integrator});
-
     const Timer timer;
-    const double samples_in_all = static_cast<double>(region.x1 - region.x0) * (region.y1 - region.y0) * settings.spp;
     uint done = 0;
     double last_report = 0;
     bool stopped = false;
     const auto report = [&] {
         if (!progress) return;
         Progress p;
-        p.stats = backend->stats();
+        p.stats = rendering.stats();
         p.stats.render_seconds = timer.seconds();
-        p.fraction = static_cast<double>(p.stats.samples) / samples_in_all;
+        p.fraction = static_cast<double>(p.stats.samples) / rendering.samples_in_all();
         p.spp_done = done;
         progress(p);
     };
@@ -176,12 +138,14 @@ RenderResult render(const Prepared& prepared, const RenderSettings& settings, co
     bool good_enough = false;
     while (done < settings.spp && !stopped && !good_enough) {
         const uint count = std::min(settings.spp - done, std::clamp(done, 8u, 64u));
-        backend->render_samples(region, settings.first_sample + done, count, result.film, keep_going);
+        rendering.add_samples(rendering.region(), done, count, keep_going);
         if (!stopped) done += count;
-        good_enough = settings.target_error > 0 && result.film.estimated_relmse(region) <= settings.target_error;
+        good_enough =
+            settings.target_error > 0 && rendering.film.estimated_relmse(rendering.region()) <= settings.target_error;
     }
 
-    result.stats = backend->stats();
+    RenderResult result;
+    result.stats = rendering.stats();
     result.stats.pack_seconds = prepared.pack_seconds;
     result.stats.build_seconds = prepared.build_seconds;
     result.stats.updated = prepared.updated;
@@ -192,6 +156,7 @@ RenderResult render(const Prepared& prepared, const RenderSettings& settings, co
     result.stats.accel_bytes = prepared.accel->stats.bytes;
     result.stats.cancelled = stopped;
     report();
+    result.film = std::move(rendering.film);
     return result;
 }
 

@@ -14,6 +14,8 @@ namespace snell {
 struct Region
 {
     int x0 = 0, y0 = 0, x1 = 0, y1 = 0;
+
+    bool operator==(const Region&) const = default;
 };
 
 struct RenderSettings
@@ -38,6 +40,8 @@ struct RenderSettings
     bool strict = false; // a non-finite sample is an Error instead of being dropped and counted
     bool layers = false; // also record first-hit pictures and direct, indirect, emission apart
     bool keep_motion = false; // what animations move is packed and built apart, for Prepared::update()
+
+    bool operator==(const RenderSettings&) const = default;
 };
 
 } // namespace snell
