@@ -20,6 +20,7 @@ namespace snell {
 struct PaneRequest
 {
     RenderSettings settings;
+    bool is_rendered = true; // false: the pane shows something else, and costs nothing
     bool operator==(const PaneRequest&) const = default;
 };
 

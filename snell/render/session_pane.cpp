@@ -69,19 +69,21 @@ static void copy_film(const Film& from, Film& to)
     to.dropped_samples = from.dropped_samples;
 }
 
-SessionPane::SessionPane(RenderSettings settings, std::shared_ptr<ShotPool> pool)
-    : settings_(std::move(settings)), pool_(std::move(pool))
+SessionPane::SessionPane(const PaneRequest& request, std::shared_ptr<ShotPool> pool)
+    : settings_(request.settings), is_rendered_(request.is_rendered), pool_(std::move(pool))
 {
 }
 
-void SessionPane::ask(const RenderSettings& settings)
+void SessionPane::ask(const PaneRequest& request)
 {
-    if (settings == settings_) return;
+    const RenderSettings& settings = request.settings;
+    if (settings == settings_ && request.is_rendered == is_rendered_) return;
     RenderSettings same = settings;
     same.spp = settings_.spp;
-    const bool goes_on = same == settings_ && error_.empty() && rendering_ && is_whole_ && !torn_ && !settings.layers &&
-                         settings.spp > 0;
+    const bool goes_on = same == settings_ && request.is_rendered == is_rendered_ && error_.empty() && rendering_ &&
+                         is_whole_ && !torn_ && !settings.layers && settings.spp > 0;
     settings_ = settings;
+    is_rendered_ = request.is_rendered;
     if (!goes_on) {
         error_.clear();
         begin();

@@ -31,11 +31,12 @@ class SessionPane
   public:
     using KeepGoing = std::function<bool()>;
 
-    SessionPane(RenderSettings settings, std::shared_ptr<ShotPool> pool);
+    SessionPane(const PaneRequest& request, std::shared_ptr<ShotPool> pool);
 
     const RenderSettings& settings() const { return settings_; }
     // Other settings; the picture goes on if they only ask for more or fewer samples.
-    void ask(const RenderSettings& settings);
+    void ask(const PaneRequest& request);
+    bool is_rendered() const { return is_rendered_; }
     // null: nothing can be rendered, for that reason.
     void use(const Prepared* prepared, std::string error = {});
     const Prepared* prepared() const { return prepared_; }
@@ -82,6 +83,7 @@ class SessionPane
     void count();
 
     RenderSettings settings_;
+    bool is_rendered_ = true;
     std::shared_ptr<ShotPool> pool_;
     const Prepared* prepared_ = nullptr;
     std::string error_;

@@ -123,6 +123,23 @@ TEST(Session, PanesHaveSettingsOfTheirOwn)
     EXPECT_FALSE(session.shot(1));
 }
 
+TEST(Session, APaneThatShowsSomethingElseCostsNothing)
+{
+    std::vector<PaneRequest> panes = {pane_of("path"), pane_of("nothing"), endless};
+    panes[1].is_rendered = panes[2].is_rendered = false;
+    Session session;
+    session.set_panes(panes);
+    rested(session, open(session));
+    EXPECT_TRUE(wait_until([&] { return session.status().phase == Phase::resting; }));
+    EXPECT_FALSE(session.shot(1) || session.shot(2));
+    panes[2].is_rendered = true;
+    session.set_panes(panes);
+    EXPECT_TRUE(wait_until([&] { return session.shot(2) != nullptr; }));
+    panes[2].is_rendered = false;
+    session.set_panes(panes);
+    EXPECT_TRUE(wait_until([&] { return session.status().phase == Phase::resting; }));
+}
+
 TEST(Session, PicturesFollowEachOtherFromPreviewToFinished)
 {
     Session session;
