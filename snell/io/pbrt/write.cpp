@@ -79,10 +79,11 @@ bool is_identity(const Transform& m)
     return same;
 }
 
-SideFolder::SideFolder(const fs::path& scene_file, const std::string& kind)
+SideFolder::SideFolder(const fs::path* scene_file, const std::string& kind)
 {
-    name_ = scene_file.stem().string() + "_" + kind;
-    path_ = scene_file.parent_path() / name_;
+    name_ = (scene_file != nullptr ? scene_file->stem().string() : "scene") + "_" + kind;
+    if (scene_file == nullptr) return;
+    path_ = scene_file->parent_path() / name_;
     std::error_code error;
     if (fs::exists(path_, error) && !fs::is_directory(path_, error))
         throw Error({path_.string()}, "is no folder, and one of this name is needed for " + kind,
@@ -92,7 +93,7 @@ SideFolder::SideFolder(const fs::path& scene_file, const std::string& kind)
 SideFolder::Slot SideFolder::next(const std::string& ending)
 {
     std::error_code error;
-    if (count_ == 0 && !fs::exists(path_, error)) {
+    if (count_ == 0 && !path_.empty() && !fs::exists(path_, error)) {
         fs::create_directory(path_, error);
         if (error) throw Error({path_.string()}, "cannot make this folder: " + error.message(), "choose another place");
     }
@@ -100,28 +101,81 @@ SideFolder::Slot SideFolder::next(const std::string& ending)
     return {path_ / file, name_ + "/" + file};
 }
 
+// The text of the scene's file.
+static void write_text(Writer& w)
+{
+    w.line("{} (snell {})", mark, version());
+    w.line("# scene {}", in_quotes(w.scene.name));
+    write_options(w);
+    w.line("\nWorldBegin");
+    write_lights(w);
+    write_materials(w);
+    write_shapes(w);
+}
+
 } // namespace pbrt
+
+std::string pbrt_text(const Scene& scene)
+{
+    pbrt::Writer w(scene, nullptr);
+    pbrt::write_text(w);
+    return std::move(w.text);
+}
+
+std::string pbrt_text(const Scene& scene, Index<MaterialDesc> material)
+{
+    Scene alone;
+    alone.images = scene.images;
+    alone.materials = {scene.materials.at(material.value)};
+    pbrt::Writer w(alone, nullptr);
+    w.plan.is_used[0] = true;
+    w.plan.material[0] = alone.materials[0].name.empty() ? "material" : alone.materials[0].name;
+    pbrt::write_materials(w);
+    return std::move(w.text);
+}
+
+std::string pbrt_text(const LightDesc& light)
+{
+    Scene alone;
+    alone.lights = {light};
+    pbrt::Writer w(alone, nullptr);
+    pbrt::write_lights(w);
+    return std::move(w.text);
+}
+
+std::string pbrt_text(const CameraDesc& camera)
+{
+    Scene alone;
+    alone.cameras = {camera};
+    pbrt::Writer w(alone, nullptr);
+    pbrt::write_cameras(w);
+    return std::move(w.text);
+}
+
+std::string pbrt_text(const Scene& scene, const EnvironmentDesc& environment)
+{
+    Scene alone;
+    alone.images = scene.images;
+    alone.environment = environment;
+    pbrt::Writer w(alone, nullptr);
+    pbrt::write_lights(w);
+    return std::move(w.text);
+}
 
 void check_pbrt_output(const std::filesystem::path& file, const WriteOptions& options)
 {
     using namespace pbrt;
     check_text_output(file, options);
-    SideFolder(file, "meshes");
-    SideFolder(file, "textures");
+    SideFolder(&file, "meshes");
+    SideFolder(&file, "textures");
 }
 
 std::vector<Note> write_pbrt(const Scene& scene, const std::filesystem::path& file, const WriteOptions& options)
 {
     using namespace pbrt;
     check_text_output(file, options);
-    Writer w(scene, file); // checks the folders
-    w.line("{} (snell {})", mark, version());
-    w.line("# scene {}", in_quotes(scene.name));
-    write_options(w);
-    w.line("\nWorldBegin");
-    write_lights(w);
-    write_materials(w);
-    write_shapes(w);
+    Writer w(scene, &file); // checks the folders
+    write_text(w);
     parallel_for(w.files.size(), [&](std::size_t i) { w.files[i](); });
     write_atomically(file, w.text); // last, when all it refers to is there
     say_losses(w);

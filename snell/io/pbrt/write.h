@@ -4,6 +4,7 @@
 #include "snell/scene/scene.h"
 
 #include <filesystem>
+#include <string>
 #include <vector>
 
 namespace snell {
@@ -29,5 +30,14 @@ void check_pbrt_output(const std::filesystem::path& file, const WriteOptions& op
 // Throws Error before anything is written if the file or the folders cannot be written, if the name does not end in
 // .pbrt, or if there is a file of that name that write_pbrt() has not written (unless overwrite).
 std::vector<Note> write_pbrt(const Scene& scene, const std::filesystem::path& file, const WriteOptions& options = {});
+
+// What write_pbrt() would put into its file, or what of it is about one thing, for the clipboard. Texels and large
+// meshes stay out: the text has the names of files that nobody writes. So does not look at texels, and the images of an
+// outline() will do.
+std::string pbrt_text(const Scene& scene);
+std::string pbrt_text(const Scene& scene, Index<MaterialDesc> material);
+std::string pbrt_text(const Scene& scene, const EnvironmentDesc& environment);
+std::string pbrt_text(const LightDesc& light);
+std::string pbrt_text(const CameraDesc& camera);
 
 } // namespace snell

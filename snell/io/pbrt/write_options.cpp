@@ -51,6 +51,8 @@ void write_integrator(Writer& w)
     w.line("Integrator \"{}\" \"integer maxdepth\" {}", name == "whitted" ? "whitted" : "volpath", depth);
 }
 
+} // namespace
+
 void write_cameras(Writer& w)
 {
     const std::vector<CameraDesc>& cameras = w.scene.cameras;
@@ -67,6 +69,8 @@ void write_cameras(Writer& w)
     }
     if (cameras.size() > 1) w.inform("the file has several cameras: snell takes the first one, pbrt the last");
 }
+
+namespace {
 
 void write_light(Writer& w, const LightDesc& light)
 {

@@ -44,8 +44,8 @@ struct Plan
 class SideFolder
 {
   public:
-    // kind: "meshes". Throws Error if something else has the folder's name.
-    SideFolder(const std::filesystem::path& scene_file, const std::string& kind);
+    // kind: "meshes". Throws Error if something else has the folder's name. No file: there are only names.
+    SideFolder(const std::filesystem::path* scene_file, const std::string& kind);
 
     // Where the next file goes, and its name as the scene's file refers to it.
     struct Slot
@@ -56,20 +56,22 @@ class SideFolder
     Slot next(const std::string& ending);
 
   private:
-    std::filesystem::path path_;
+    std::filesystem::path path_; // empty: there is none
     std::string name_;
     std::size_t count_ = 0;
 };
 
 struct Writer
 {
-    Writer(const Scene& from, const std::filesystem::path& to)
-        : scene(from), plan(from), meshes(to, "meshes"), textures(to, "textures")
+    // to: null for the text alone, without any file.
+    Writer(const Scene& from, const std::filesystem::path* to)
+        : scene(from), plan(from), writes_files(to != nullptr), meshes(to, "meshes"), textures(to, "textures")
     {
     }
 
     const Scene& scene;
     Plan plan;
+    const bool writes_files;
     SideFolder meshes, textures;
     std::string text;
     std::vector<Note> notes;
@@ -94,6 +96,7 @@ std::string write_picture_file(Writer& writer, Index<Image> image, bool as_light
 std::string write_texture(Writer& writer, const TextureRef& ref, bool is_number, vec3 factor = vec3(1.0f));
 void write_materials(Writer& writer);
 void write_options(Writer& writer); // film, sampler, integrator, cameras
+void write_cameras(Writer& writer);
 void write_lights(Writer& writer);
 void write_shapes(Writer& writer);
 

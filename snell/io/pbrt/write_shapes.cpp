@@ -115,7 +115,7 @@ class ShapeWriter
                               !(mesh.uvs.empty() && has_texture(w_.scene.materials[material]));
         if (is_small) return {name, material, in_text(mesh)};
         const SideFolder::Slot slot = w_.meshes.next(".ply");
-        write_ply(slot.path, mesh);
+        if (w_.writes_files) write_ply(slot.path, mesh);
         return {name, material, fmt::format("Shape \"plymesh\" \"string filename\" {}", in_quotes(slot.reference))};
     }
 
