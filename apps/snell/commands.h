@@ -10,6 +10,7 @@ namespace snell::app {
 using Arguments = std::vector<std::string>;
 
 int run_render(const Arguments& arguments);
+int run_view(const Arguments& arguments);
 int run_info(const Arguments& arguments);
 int run_convert(const Arguments& arguments);
 int run_list(const Arguments& arguments);

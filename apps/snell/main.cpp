@@ -25,6 +25,7 @@ struct Command
 
 static const std::array commands = {
     Command{"render", "Render a picture of a scene", run_render},
+    Command{"view", "Walk through a scene in a window", run_view},
     Command{"info", "Say what is in a scene and how much memory it takes", run_info},
     Command{"convert", "Write a scene as a pbrt file", run_convert},
     Command{"list", "List integrators, structures, samplers, built-in scenes and file formats", run_list},
@@ -45,6 +46,7 @@ static void print_help()
                "Examples:\n"
                "  snell render cornell                          the default scene, to cornell.png\n"
                "  snell render dragon.ply -o dragon.exr --spp 256\n"
+               "  snell view cornell                            walk through it in a window\n"
                "  snell list                                    what there is to choose from\n");
 }
 

@@ -46,13 +46,17 @@ void add_scene_options(Options& options, SceneChoice& choice)
                   [&](const std::string& text) { choice.animation = text; });
 }
 
-Scene load_chosen(const SceneChoice& choice)
+Scene load_chosen(const SceneChoice& choice, const LoadProgressCallback& progress)
 {
-    LoadLine line;
+    std::optional<LoadLine> line;
     LoadOptions options;
     options.variant = choice.variant;
     options.sandbox = choice.sandbox;
-    options.progress = [&line](const LoadProgress& progress) { line.update(progress); };
+    options.progress = progress;
+    if (!progress) {
+        line.emplace();
+        options.progress = [&line](const LoadProgress& now) { line->update(now); };
+    }
     Scene scene = open_scene(choice.name, options);
     if (!choice.variant.empty()) check_name("variant", choice.variant, scene.variants); // built-in scenes have none
     return scene;
@@ -100,9 +104,9 @@ static void light_from_afar(Scene& scene, const SceneChoice& choice)
     environment.radiance *= scale;
 }
 
-Scene open_chosen(const SceneChoice& choice)
+Scene open_chosen(const SceneChoice& choice, const LoadProgressCallback& progress)
 {
-    Scene scene = load_chosen(choice);
+    Scene scene = load_chosen(choice, progress);
     light_from_afar(scene, choice);
     if (choice.time || !choice.animation.empty()) {
         const Index<Animation> animation = find_animation(scene, choice, choice.time ? "--time" : "--animation");

@@ -3,6 +3,7 @@
 
 #include "options.h"
 
+#include "snell/io/load.h"
 #include "snell/scene/scene.h"
 
 #include <filesystem>
@@ -33,12 +34,12 @@ void add_loading_options(Options& options, SceneChoice& choice);
 // --environment, --environment-rotation, --environment-scale, --hide-environment, --time and --animation.
 void add_scene_options(Options& options, SceneChoice& choice);
 
-// Opens the scene as the loading options say, showing progress.
-Scene load_chosen(const SceneChoice& choice);
+// Opens the scene as the loading options say. Without `progress` a line on the terminal shows how far it is.
+Scene load_chosen(const SceneChoice& choice, const LoadProgressCallback& progress = {});
 
 // load_chosen(), in its environment and at its moment. Throws UsageError if the scene has no such animation, or no
 // environment to turn.
-Scene open_chosen(const SceneChoice& choice);
+Scene open_chosen(const SceneChoice& choice, const LoadProgressCallback& progress = {});
 
 // For after choose_camera(), which may have added light from everywhere.
 void hide_environment(Scene& scene, const SceneChoice& choice);

@@ -1,0 +1,22 @@
+// The panels there are, in the order of the column and the menu. To add one: its file in panels/, a declaration and a
+// line here.
+#include "snell/view/panel.h"
+
+namespace snell::view {
+
+std::unique_ptr<Panel> make_settings_panel();
+std::unique_ptr<Panel> make_view_settings_panel();
+std::unique_ptr<Panel> make_messages_panel();
+std::unique_ptr<Panel> make_help_panel();
+
+std::vector<std::unique_ptr<Panel>> make_panels()
+{
+    std::vector<std::unique_ptr<Panel>> panels;
+    panels.push_back(make_settings_panel());
+    panels.push_back(make_view_settings_panel());
+    panels.push_back(make_messages_panel());
+    panels.push_back(make_help_panel());
+    return panels;
+}
+
+} // namespace snell::view
