@@ -63,18 +63,22 @@ static bool has_reflectances(const MaterialDesc& m, uint image)
     return std::any_of(refs, refs + count, [&](const TextureRef* ref) { return ref->image.value == image; });
 }
 
-// Pictures of floats may be brighter than a surface can be. validate() moves their texels inside, but that could not be
-// undone. One that is a material's already has been through that.
+// Pictures of floats may be brighter than a surface can be. validate() moves the texels of a material's inside [0, 1],
+// but if it is light elsewhere that would change the light, and could not be undone.
 static void check_reflectances(const Scene& scene, const MaterialDesc& material)
 {
     for (uint i = 0; i < scene.images.size(); ++i) {
         if (scene.images[i].format != texels_rgba32f || !has_reflectances(material, i)) continue;
-        const bool known = std::any_of(scene.materials.begin(), scene.materials.end(),
-                                       [i](const MaterialDesc& m) { return has_reflectances(m, i); });
-        if (!known)
+        const auto& all = scene.materials;
+        const bool is_known =
+            std::any_of(all.begin(), all.end(), [i](const MaterialDesc& m) { return has_reflectances(m, i); });
+        const bool is_light = scene.environment.image.value == i ||
+                              std::any_of(all.begin(), all.end(),
+                                          [i](const MaterialDesc& m) { return m.emission_texture.image.value == i; });
+        if (is_light && !is_known)
             throw Error(fmt::format("image {} holds light, not reflectances: its texels may be above 1",
                                     label(scene.images[i].name, i)),
-                        "take a picture of 8 bits");
+                        "take another picture");
     }
 }
 

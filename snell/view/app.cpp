@@ -352,8 +352,11 @@ void App::act(KeyPress press)
         state_.say(fmt::format("stored as view {}", digit));
         break;
     case Action::undo:
+        ImGui::GetIO().KeyShift ? state_.document.redo(state_) : state_.document.undo(state_);
+        break;
     case Action::redo:
-        break; // the document's panel looks at the keyboard itself
+        state_.document.redo(state_);
+        break;
     }
     if (press.action == Action::exposure_down || press.action == Action::exposure_up)
         state_.say(fmt::format("exposure {:+.1f} EV", state_.exposure_ev));

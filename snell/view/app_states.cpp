@@ -184,6 +184,7 @@ void App::draw_dialogs()
     in_the_middle();
     if (ImGui::BeginPopupModal("Quit?", nullptr, ImGuiWindowFlags_AlwaysAutoResize | ImGuiWindowFlags_NoMove)) {
         ImGui::TextUnformatted("Close the viewer?");
+        if (state_.document.is_dirty()) warning("The scene was changed since it was read or saved.");
         ImGui::Spacing();
         if (ImGui::IsWindowAppearing()) ImGui::SetKeyboardFocusHere();
         if (button("Quit", "Enter") || ImGui::IsKeyPressed(ImGui::GetKeyIndex(ImGuiKey_Enter), false)) quit(0);

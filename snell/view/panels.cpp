@@ -4,6 +4,9 @@
 
 namespace snell::view {
 
+std::unique_ptr<Panel> make_scene_tree_panel();
+std::unique_ptr<Panel> make_inspector_panel();
+std::unique_ptr<Panel> make_timeline_panel();
 std::unique_ptr<Panel> make_settings_panel();
 std::unique_ptr<Panel> make_view_settings_panel();
 std::unique_ptr<Panel> make_messages_panel();
@@ -13,6 +16,9 @@ std::vector<std::unique_ptr<Panel>> make_panels()
 {
     std::vector<std::unique_ptr<Panel>> panels;
     panels.push_back(make_settings_panel());
+    panels.push_back(make_scene_tree_panel());
+    panels.push_back(make_inspector_panel());
+    panels.push_back(make_timeline_panel());
     panels.push_back(make_view_settings_panel());
     panels.push_back(make_messages_panel());
     panels.push_back(make_help_panel());
