@@ -373,6 +373,7 @@ void Document::follow(ViewState& state)
     take_over(state);
     take_answers(state);
     if (!ImGui::IsAnyItemActive()) history_.seal(); // nothing is being dragged
+    if (hitting_) state.wake();                     // who has clicked waits for it
     play(state);
 }
 

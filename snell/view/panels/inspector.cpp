@@ -277,11 +277,11 @@ void InspectorPanel::draw_camera(ViewState& state, uint index)
             set.value.name = before.name;
             fields.touch("view");
         }
-        fields.vector("Eye", set.value.eye, step(state), "Where the camera is: the centre of projection.");
-        fields.vector("Target", set.value.target, step(state), "What it looks at.");
-        fields.vector("Up", set.value.up, 0.01f, "Which way is up in the picture.");
+        fields.vector("Camera eye", set.value.eye, step(state), "Where the camera is: the centre of projection.");
+        fields.vector("Camera target", set.value.target, step(state), "What it looks at.");
+        fields.vector("Camera up", set.value.up, 0.01f, "Which way is up in the picture.");
     }
-    fields.slide("Field of view", set.value.fov_degrees, 1.0f, 170.0f, "Full angle of the shorter side, degrees.");
+    fields.slide("Camera fov", set.value.fov_degrees, 1.0f, 170.0f, "Full angle of the shorter side, degrees.");
     apply(state, set, fields);
     if (state.outline.cameras.size() > 1 && button("Remove", "Takes this camera out of the scene."))
         if (state.document.apply(state, {RemoveCamera{index}}, "camera removed")) state.document.selection = {};

@@ -68,7 +68,7 @@ void TimelinePanel::draw(ViewState& state)
         if (slider("Time", seconds, 0.0f, std::max(duration, 1e-3f),
                    "The moment that is shown, seconds: drag to scrub.", "%.3f s"))
             go_to(state, seconds);
-        slider("Speed", p.speed, -4.0f, 4.0f, "Seconds of the animation a second; negative: backwards.");
+        slider("Playback speed", p.speed, -4.0f, 4.0f, "Seconds of the animation a second; negative: backwards.");
         checkbox("Loop", p.loops, "Begins again at the end.");
     }
     std::vector<std::string> cameras = {"the view stays"};
