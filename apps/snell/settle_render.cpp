@@ -219,7 +219,7 @@ static void settle_outputs(RenderJob& job, const RenderHints& hints, std::vector
 static void check_memory(const RenderSettings& settings)
 {
     const double pixels = static_cast<double>(settings.width) * settings.height;
-    const double bytes = pixels * (settings.layers ? 160.0 : 44.0);
+    const double bytes = pixels * (settings.layers ? 164.0 : 48.0);
     const double memory = static_cast<double>(sysconf(_SC_PHYS_PAGES)) * static_cast<double>(sysconf(_SC_PAGESIZE));
     if (bytes > 0.8 * memory)
         throw Error(fmt::format("a {}x{} picture takes {} and this machine has {}", settings.width, settings.height,

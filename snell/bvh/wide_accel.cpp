@@ -1,5 +1,6 @@
 #include "snell/bvh/wide_accel.h"
 
+#include "snell/bvh/inspect.h"
 #include "snell/bvh/refit.h"
 #include "snell/bvh/simd/ray_state.h"
 #include "snell/bvh/simd/traverse.h"
@@ -49,7 +50,7 @@ Coherence coherence_of(std::span<const Ray> rays)
 constexpr std::size_t small_tree = 20;
 
 template <class Node>
-class WideAccel : public Accel
+class WideAccel : public Accel, public Inspectable
 {
   public:
     WideAccel(const PackedScene& packed, const AccelOptions& chosen) : scene(packed), options(chosen)
@@ -121,6 +122,9 @@ class WideAccel : public Accel
         SNELL_CHECK_EQ(rays.size(), steps.size());
         trace_kernels<Node>().counted(input, rays, hits, steps);
     }
+
+    std::vector<TreeView> trees() const override { return list_trees(input); }
+    RayWalk walk(const Ray& ray) const override { return walk_ray(input, ray); }
 
   private:
     const PackedScene& scene;

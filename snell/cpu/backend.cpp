@@ -10,6 +10,8 @@
 #include <atomic>
 #include <mutex>
 
+#include <time.h>
+
 namespace snell {
 
 // Paths in one batch, about: enough to keep many rays in flight until the last bounces, few enough for the L2 cache.
@@ -76,16 +78,32 @@ static void run_integrator(const StageContext& context, const IntegratorInfo& in
     if (name == "path" || name == "furnace") return run_path(context, batch);
     if (name == "whitted") return run_whitted(context, batch);
     if (name == "ao") return run_ambient_occlusion(context, batch);
-    if (name == "normals") return run_view(context, batch, view_normals);
-    if (name == "uv") return run_view(context, batch, view_uv);
-    if (name == "depth") return run_view(context, batch, view_depth);
-    if (name == "albedo") return run_view(context, batch, view_albedo);
-    SNELL_CHECK_EQ(name, "steps");
-    run_view(context, batch, view_steps);
+    SNELL_CHECK_LT(integrator.view, view_count);
+    run_view(context, batch, integrator.view);
+}
+
+// Time that this thread has worked: what others do on the same processor does not count.
+static double thread_seconds()
+{
+    timespec now{};
+    clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
+    return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
+}
+
+// A batch goes through the stages as a whole, so its time is shared by the tile's pixels alike.
+static void note_time(Film& film, const Region& tile, double seconds)
+{
+    if (film.seconds.empty()) return;
+    const auto share = static_cast<float>(seconds / (static_cast<double>(tile.x1 - tile.x0) * (tile.y1 - tile.y0)));
+    for (int y = tile.y0; y < tile.y1; ++y)
+        for (int x = tile.x0; x < tile.x1; ++x)
+            film.seconds[static_cast<std::size_t>(y) * static_cast<std::size_t>(film.width) +
+                         static_cast<std::size_t>(x)] += share;
 }
 
 void CpuBackend::render_tile(const Region& tile, uint first_sample, uint count, Film& film)
 {
+    const double start = thread_seconds();
     std::unique_ptr<Batch> batch = take_batch();
     const StageContext context{view_, job_.params, job_.accel};
     if (job_.settings.layers) {
@@ -98,6 +116,7 @@ void CpuBackend::render_tile(const Region& tile, uint first_sample, uint count, 
     const Timer timer;
     finalize(*batch, tile, first_sample, count, film);
     batch->stats.finalize_seconds += timer.seconds();
+    note_time(film, tile, thread_seconds() - start);
     give_batch(std::move(batch));
 }
 

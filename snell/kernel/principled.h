@@ -230,29 +230,47 @@ SNELL_FN_COLD BsdfSample sample_coat(SNELL_IN(PrincipledPoint) p, vec3 wo, vec2 
 }
 
 // u: for the direction; u_lobe: for the choice between the lobes.
+// Which lobe sample_principled draws from.
+SNELL_CONST uint lobe_coat = 0u;
+SNELL_CONST uint lobe_sheen = 1u;
+SNELL_CONST uint lobe_facets = 2u;
+SNELL_CONST uint lobe_straight = 3u; // on through a thin surface
+SNELL_CONST uint lobe_diffuse = 4u;
+SNELL_CONST uint lobe_through = 5u; // diffuse transmission
+
+SNELL_FN uint principled_lobe(SNELL_IN(PrincipledPoint) p, float u_lobe)
+{
+    float to_sheen = p.p_coat;
+    float to_facets = to_sheen + p.p_sheen;
+    float to_straight = to_facets + p.p_facets;
+    float to_diffuse = to_straight + p.p_straight;
+    float to_through = to_diffuse + p.p_diffuse;
+    if (u_lobe < to_sheen) return lobe_coat;
+    if (u_lobe < to_facets) return lobe_sheen;
+    if (u_lobe < to_straight) return lobe_facets;
+    if (u_lobe < to_diffuse) return lobe_straight;
+    return u_lobe < to_through ? lobe_diffuse : lobe_through;
+}
+
 SNELL_FN_COLD BsdfSample sample_principled(SNELL_IN(PrincipledPoint) p, vec3 wo, vec2 u, float u_lobe)
 {
     BsdfSample s = no_bsdf_sample();
     if (abs(wo.z) < principled_grazing) return s;
     bool mirrored = wo.z < 0.0f;
     vec3 w = mirror_in_surface(wo, mirrored);
-    float to_sheen = p.p_coat;
-    float to_facets = to_sheen + p.p_sheen;
-    float to_straight = to_facets + p.p_facets;
-    float to_diffuse = to_straight + p.p_straight;
-    float to_through = to_diffuse + p.p_diffuse;
-    if (u_lobe < to_sheen) {
+    uint lobe = principled_lobe(p, u_lobe);
+    if (lobe == lobe_coat) {
         s = sample_coat(p, w, u);
-    } else if (u_lobe < to_facets) {
+    } else if (lobe == lobe_sheen) {
         s.wi = sample_uniform_hemisphere(u);
         s.pdf = 1.0f;
-    } else if (u_lobe < to_straight) {
-        s = sample_facets(p, w, u, clamp((u_lobe - to_facets) / p.p_facets, 0.0f, 1.0f));
-    } else if (u_lobe < to_diffuse) {
+    } else if (lobe == lobe_facets) {
+        s = sample_facets(p, w, u, clamp((u_lobe - (p.p_coat + p.p_sheen)) / p.p_facets, 0.0f, 1.0f));
+    } else if (lobe == lobe_straight) {
         s = principled_delta(-w, p.straight, p.p_straight);
     } else {
         s.wi = sample_cosine_hemisphere(u);
-        if (u_lobe >= to_through) s.wi.z = -s.wi.z;
+        if (lobe == lobe_through) s.wi.z = -s.wi.z;
         s.pdf = 1.0f;
     }
     if (s.pdf > 0.0f && s.is_delta == 0u) {

@@ -48,7 +48,8 @@ struct WhittedStep
 };
 
 SNELL_FN WhittedStep shade_whitted(SNELL_IN(SceneView) scene, SNELL_IN(RenderParams) params,
-                                   SNELL_IN(PathState) arriving, SNELL_IN(Ray) ray, SNELL_IN(Hit) hit)
+                                   SNELL_IN(PathState) arriving, SNELL_IN(Ray) ray,
+                                   SNELL_IN(Hit) hit SNELL_RECORD_PARAMETER)
 {
     WhittedStep step;
     step.emitted = vec3(0.0f);
@@ -59,15 +60,23 @@ SNELL_FN WhittedStep shade_whitted(SNELL_IN(SceneView) scene, SNELL_IN(RenderPar
     step.has_next_1 = 0u;
     // after a rough bounce the lights have been sampled there
     bool counts_emission = arriving.pdf == 0.0f;
+    SNELL_NOTE(state, arriving);
+    SNELL_NOTE(emission_weight, counts_emission ? 1.0f : 0.0f);
     if (!is_hit(hit)) {
         if (counts_emission)
             step.emitted = arriving.throughput * escaped_radiance(scene, params, arriving.depth, ray.direction);
+        SNELL_NOTE(emission, escaped_radiance(scene, params, arriving.depth, ray.direction));
+        SNELL_NOTE(ending, ending_escaped);
         return step;
     }
     if (arriving.medium != none)
         step.state.throughput = arriving.throughput * medium_transmittance(scene, arriving.medium, hit.t);
     Vertex v = make_vertex(scene, ray, hit);
     step.vertex = v;
+    SNELL_NOTE(has_vertex, 1u);
+    SNELL_NOTE(vertex, v);
+    SNELL_NOTE(state, step.state);
+    SNELL_NOTE(emission, v.emission);
     if (counts_emission) step.emitted = step.state.throughput * v.emission;
 
     if (has_smooth_part(v.material)) {
@@ -75,21 +84,27 @@ SNELL_FN WhittedStep shade_whitted(SNELL_IN(SceneView) scene, SNELL_IN(RenderPar
         if (scene.light_count > scene.delta_light_count) step.light_tasks += 1u;
         if (!is_black(scene.environment.radiance)) step.light_tasks += 1u;
     }
+    SNELL_NOTE(ending, arriving.depth >= params.max_depth ? ending_depth : ending_direct);
     if (arriving.depth >= params.max_depth || v.material.kind == material_diffuse || v.wo.z == 0.0f) return step;
 
     SampleKey key = state_key(params, step.state);
     if (v.material.kind == material_dielectric && v.material.alpha == 0.0f) {
         // sample_smooth_dielectric reflects for u = 0 and refracts for the largest u; take both, with their weights
         BsdfSample s0 = sample_smooth_dielectric(v.material, v.wo, 0.0f);
+        SNELL_NOTE(bsdf_0, s0);
+        SNELL_NOTE(event_0, scattering_event(v.material, v.wo, s0, 0.0f));
         s0.weight = s0.weight * s0.pdf;
         step.next_0 = scatter(scene, step.state, v, s0);
         step.has_next_0 = is_worth_following(step.next_0.state) ? 1u : 0u;
         if (s0.pdf < 1.0f) {
             BsdfSample s1 = sample_smooth_dielectric(v.material, v.wo, 1.0f);
+            SNELL_NOTE(bsdf_1, s1);
+            SNELL_NOTE(event_1, scattering_event(v.material, v.wo, s1, 1.0f));
             s1.weight = s1.weight * s1.pdf;
             step.next_1 = scatter(scene, step.state, v, s1);
             step.has_next_1 = is_worth_following(step.next_1.state) ? 1u : 0u;
         }
+        SNELL_NOTE(ending, step.has_next_0 + step.has_next_1 > 0u ? ending_none : ending_faint);
         return step;
     }
     vec2 u = random_2d(key, vertex_dimension(arriving.depth, dimension_bsdf));
@@ -101,20 +116,27 @@ SNELL_FN WhittedStep shade_whitted(SNELL_IN(SceneView) scene, SNELL_IN(RenderPar
     }
     if (v.material.kind == material_principled) v.material.principled = without_diffuse(v.material.principled);
     BsdfSample s = sample_bsdf(v.material, v.wo, u, u_lobe);
+    SNELL_NOTE(bsdf_0, s);
+    SNELL_NOTE(event_0, scattering_event(v.material, v.wo, s, u_lobe));
+    SNELL_NOTE(ending, ending_absorbed);
     if (s.pdf == 0.0f) return step;
     step.next_0 = scatter(scene, step.state, v, s);
+    SNELL_NOTE(ending, ending_leak);
     if (s.wi.z * dot(v.surface.geometric_normal, step.next_0.ray.direction) <= 0.0f) return step;
     step.has_next_0 = is_worth_following(step.next_0.state) ? 1u : 0u;
+    SNELL_NOTE(ending, step.has_next_0 != 0u ? ending_none : ending_faint);
     return step;
 }
 
 // Connection number `task` of a vertex; value 0: nothing to test. Delta lights come first, one each.
 SNELL_FN Connection whitted_connection(SNELL_IN(SceneView) scene, SNELL_IN(RenderParams) params,
-                                       SNELL_IN(WhittedStep) step, uint task)
+                                       SNELL_IN(WhittedStep) step, uint task SNELL_RECORD_PARAMETER)
 {
     SampleKey key = state_key(params, step.state);
     LightSample s;
+    SNELL_NOTE(light_index, none);
     if (task < scene.delta_light_count) {
+        SNELL_NOTE(light_index, task);
         s = sample_light(scene.lights.at[task], step.vertex.surface.position, vec2(0.0f, 0.0f));
     } else {
         uint area_lights = scene.light_count - scene.delta_light_count;
@@ -125,6 +147,7 @@ SNELL_FN Connection whitted_connection(SNELL_IN(SceneView) scene, SNELL_IN(Rende
             float x = u.x * float(area_lights); // one number chooses the light and, stretched again, the point on it
             uint i = min(uint(x), area_lights - 1u);
             Light light = scene.lights.at[scene.delta_light_count + i];
+            SNELL_NOTE(light_index, scene.delta_light_count + i);
             vec2 u_light = vec2(min(x - float(i), 0.99999994f), u.y);
             s = sample_light(light, step.vertex.surface.position, u_light);
             if ((light.flags & light_textured) != 0u)
@@ -134,6 +157,9 @@ SNELL_FN Connection whitted_connection(SNELL_IN(SceneView) scene, SNELL_IN(Rende
             s = sample_environment(scene, u);
         }
     }
+    SNELL_NOTE(has_light, 1u);
+    SNELL_NOTE(light, s);
+    SNELL_NOTE(light_bsdf, vertex_eval(step.vertex, s.direction));
     Connection c;
     c.slot = step.state.slot;
     c.layer = scatter_layer(step.state.depth + 1u);

@@ -11,6 +11,7 @@ Film::Film(int w, int h, bool with_layers) : width(w), height(h)
     square_sum.assign(n, 0.0f);
     excess.assign(n, vec4(0.0f));
     sample_count.assign(n, 0);
+    seconds.assign(n, 0.0f);
     if (!with_layers) return;
     for (std::vector<vec3>* layer : {&layers.albedo, &layers.normal, &layers.geometric_normal, &layers.position,
                                      &layers.direct, &layers.indirect, &layers.emission})
@@ -118,6 +119,7 @@ std::vector<Channel> Film::channels() const
     }
     channels.push_back(std::move(variance));
     channels.push_back(std::move(count));
+    channels.push_back({"Time.Y", seconds, {}});
     if (layers.hit_count.empty()) return channels;
 
     add_channels(channels, "", "Z", layers.depth, layers.hit_count);

@@ -29,6 +29,7 @@ struct Film
     std::vector<uint> sample_count;     // of each pixel
     std::vector<uint> seen_through;     // samples of each pixel that met nothing, where a hidden environment lets one
                                         // see through the picture; empty: everything is opaque
+    std::vector<float> seconds;         // of a thread's time, spent on each pixel: that of its tile, shared alike
     FilmLayers layers;                  // vectors are empty unless RenderSettings::layers
     std::vector<std::uint64_t> dropped; // (y * width + x) of the first 16 pixels with non-finite samples
     std::uint64_t dropped_samples = 0;

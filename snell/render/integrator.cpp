@@ -1,6 +1,7 @@
 #include "snell/render/integrator.h"
 
 #include "snell/core/error.h"
+#include "snell/kernel/views.h"
 #include "snell/render/visibility.h"
 
 namespace snell {
@@ -50,11 +51,23 @@ static std::vector<IntegratorInfo>& registry()
          "path tracing with light of 1 from everywhere and no emitters: an albedo of 1 vanishes",
          {depth, "rr=1  0: no Russian roulette"},
          {}},
-        {"normals", "shading normals, from [-1, 1] to [0, 1]", {}, {}, true},
-        {"uv", "texture coordinates in red and green", {}, {}, true},
-        {"depth", "distance from the camera, 1 at the far side of the scene", {}, {}, true},
-        {"albedo", "colour of the materials", {}, {}, true},
-        {"steps", "traversal steps of camera rays as a heat map", {"max_steps=100  steps at the red end"}, {}, true},
+        {"normals", "shading normals, from [-1, 1] to [0, 1]", {}, {}, true, view_normals},
+        {"geometric-normals", "normals of the surfaces themselves, likewise", {}, {}, true, view_geometric_normals},
+        {"facing", "blue: seen from the front, where the normal points; red: from the back", {}, {}, true, view_facing},
+        {"uv", "texture coordinates in red and green", {}, {}, true, view_uv},
+        {"barycentrics", "weights of a triangle's vertices in red, green and blue", {}, {}, true, view_barycentrics},
+        {"depth", "distance from the camera, 1 at the far side of the scene", {}, {}, true, view_depth},
+        {"albedo", "colour of the materials", {}, {}, true, view_albedo},
+        {"object", "a colour for each mesh, sphere and plane", {}, {}, true, view_object},
+        {"instance", "a colour for each instance; grey: placed once", {}, {}, true, view_instance},
+        {"material", "a colour for each material", {}, {}, true, view_material},
+        {"primitive", "a colour for each triangle or sphere", {}, {}, true, view_primitive},
+        {"steps",
+         "traversal steps of camera rays as a heat map",
+         {"max_steps=100  steps at the bright end"},
+         {},
+         true,
+         view_steps},
     };
     return list;
 }

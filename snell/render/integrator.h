@@ -50,6 +50,7 @@ struct IntegratorInfo
     std::vector<std::string> parameters; // -D keys it knows, each "name=default  what it does"
     RadianceFunction radiance;           // custom ones only
     bool is_view = false;                // its values are data, not light: exposure and tone curve would falsify them
+    uint view = none;                    // of a view: its view_* of snell/kernel/views.h
 };
 
 // Adds a custom integrator; from then on `--integrator name` finds it. Throws Error if the name is taken.

@@ -24,7 +24,8 @@ std::vector<vec3> png_of(Program& program, const std::string& integrator, const 
 TEST(Views, BypassExposureAndToneCurve)
 {
     Program program;
-    for (const char* view : {"normals", "uv", "depth", "albedo", "steps"}) {
+    for (const char* view : {"normals", "geometric-normals", "facing", "uv", "barycentrics", "depth", "albedo",
+                             "object", "instance", "material", "primitive", "steps"}) {
         const std::vector<vec3> plain = png_of(program, view, {});
         EXPECT_EQ(png_of(program, view, {"--exposure", "2", "--tone", "aces"}), plain) << view;
         vec3 most(0.0f);

@@ -1,10 +1,14 @@
 // A picture is a function of scene and settings: threads, tiles, crops and interruptions do not change a bit.
 #include "tests/render/scenes.h"
 
+#include <algorithm>
+
 namespace snell::test {
 namespace {
 
-const char* const all_integrators[] = {"path", "whitted", "ao", "furnace", "normals", "uv", "depth", "albedo", "steps"};
+const char* const all_integrators[] = {"path",   "whitted",  "ao",       "furnace",           "normals", "uv",
+                                       "depth",  "albedo",   "steps",    "geometric-normals", "facing",  "barycentrics",
+                                       "object", "instance", "material", "primitive"};
 
 class Invariance : public testing::TestWithParam<const char*>
 {
@@ -23,7 +27,11 @@ class Invariance : public testing::TestWithParam<const char*>
 };
 
 INSTANTIATE_TEST_SUITE_P(, Invariance, testing::ValuesIn(all_integrators),
-                         [](const auto& integrator) { return std::string(integrator.param); });
+                         [](const auto& integrator) {
+                             std::string name = integrator.param;
+                             std::replace(name.begin(), name.end(), '-', '_');
+                             return name;
+                         });
 
 TEST_P(Invariance, PictureShowsSomething)
 {

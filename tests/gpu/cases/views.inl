@@ -4,10 +4,15 @@
 #include "tests/gpu/draw.h"
 #else
 
-TWIN(heat_color, 1e-6f, 1e-6f, 0.0f)
+TWIN(heat_color, 1e-5f, 1e-5f, 0.0f)
 {
     float x = range(-0.5f, 1.5f);
     give(heat_color(x));
+}
+TWIN(id_color, 0.0f, 1e-6f, 0.0f)
+{
+    uint id = word();
+    give(id_color(id));
 }
 TWIN(material_albedo, 1e-4f, 1e-5f, 0.0f)
 {
@@ -19,7 +24,7 @@ TWIN(material_albedo, 1e-4f, 1e-5f, 0.0f)
 TWIN_BUILTIN(view_value, 1e-3f, 1e-3f, 0.001f) // fract of a texture coordinate jumps
 {
     RenderParams params = draw_params();
-    uint view = index_below(5u);
+    uint view = index_below(view_count);
     Ray ray = draw_ray();
     Hit hit = draw_hit();
     uint steps = index_below(300u);
