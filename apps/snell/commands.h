@@ -14,6 +14,7 @@ int run_view(const Arguments& arguments);
 int run_info(const Arguments& arguments);
 int run_convert(const Arguments& arguments);
 int run_list(const Arguments& arguments);
+int run_probe(const Arguments& arguments);
 int run_compare(const Arguments& arguments);
 int run_bench(const Arguments& arguments);
 

@@ -4,57 +4,13 @@
 #include "bench_trace.h"
 #include "console.h"
 
-#include "snell/bvh/primitives.h"
-#include "snell/bvh/quality.h"
 #include "snell/core/error.h"
+#include "snell/lab/bvh_probe.h"
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include <algorithm>
-
 namespace snell::app {
-
-namespace {
-// A builder's trees for the world and every group. Sums, but SAH cost and EPO, which are of the largest tree.
-struct BuilderQuality
-{
-    TreeQuality sum;
-    std::size_t trees = 0;
-};
-} // namespace
-
-static BuilderQuality quality_of(const PackedScene& scene, const BuildOptions& options)
-{
-    BuilderQuality result;
-    std::size_t largest = 0;
-    const auto add = [&](const BinaryTree& tree) {
-        if (tree.nodes.empty()) return;
-        const TreeQuality one = measure_quality(scene, tree);
-        TreeQuality& sum = result.sum;
-        result.trees += 1;
-        sum.nodes += one.nodes;
-        sum.leaves += one.leaves;
-        sum.references += one.references;
-        sum.depth = std::max(sum.depth, one.depth);
-        if (one.references <= largest) return;
-        largest = one.references;
-        sum.sah = one.sah;
-        sum.epo = one.epo;
-        sum.mean_leaf_depth = one.mean_leaf_depth;
-        sum.mean_leaf_size = one.mean_leaf_size;
-    };
-    std::vector<Box> boxes;
-    for (const PackedGroup& group : scene.groups) {
-        const BinaryTree tree = build_tree(scene, collect_primitives(scene, group), options);
-        boxes.push_back(tree.nodes.empty() ? Box() : tree.nodes[0].box);
-        add(tree);
-    }
-    std::vector<PrimitiveRef> refs = collect_primitives(scene, scene.world);
-    collect_instances(scene, boxes, refs);
-    add(build_tree(scene, std::move(refs), options));
-    return result;
-}
 
 void print_bvh_info(const SceneChoice& choice, bool json)
 {
@@ -91,7 +47,7 @@ void print_bvh_info(const SceneChoice& choice, bool json)
     for (std::size_t i = 0; i < measured.rows.size(); ++i) {
         const AccelRow& row = measured.rows[i];
         console().info(fmt::format("{}: quality of {}", measured.name, row.name));
-        const TreeQuality quality = quality_of(scene.packed, job.ours[i].options.build).sum;
+        const TreeQuality quality = measure_scene_quality(scene.packed, job.ours[i].options.build).sum;
         if (json) {
             nlohmann::ordered_json traces = nlohmann::ordered_json::object();
             for (const auto& [set, figure] : row.traces) traces[set] = figure.one.median;

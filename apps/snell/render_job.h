@@ -63,4 +63,10 @@ std::optional<int> parse_render(const Arguments& arguments, RenderJob& job);
 // were taken is said if the console is verbose. Throws UsageError; Error if an output cannot be written.
 void settle_render(RenderJob& job, const RenderHints& hints);
 
+// The part of settle_render() that writes no files: settings alone. For commands that make no picture.
+void settle_settings(RenderJob& job, const RenderHints& hints);
+
+// --integrator, -D, --sampler, --seed, --samples-range, --accel, --accel-cache and --triangle-test.
+void add_technique_options(Options& options, RenderJob& job);
+
 } // namespace snell::app

@@ -75,7 +75,7 @@ static void add_sequence_options(Options& options, RenderJob& job, std::optional
                   [&](const std::string& text) { fps = parse_number("--fps", text, 0.001, 1e6); });
 }
 
-static void add_technique_options(Options& options, RenderJob& job)
+void add_technique_options(Options& options, RenderJob& job)
 {
     Asked& asked = job.asked;
     RenderSettings& settings = job.settings;

@@ -227,13 +227,25 @@ static void check_memory(const RenderSettings& settings)
                     settings.layers ? "make it smaller, or try --no-layers" : "make it smaller");
 }
 
-void settle_render(RenderJob& job, const RenderHints& hints)
+static std::vector<std::string> settle_picture(RenderJob& job, const RenderHints& hints)
 {
     std::vector<std::string> taken;
     if (settle_size(job.settings, job.asked, hints))
         taken.push_back(fmt::format("{}x{} pixels", job.settings.width, job.settings.height));
     settle_region(job.settings, job.asked, hints, taken);
     settle_technique(job, hints, taken);
+    return taken;
+}
+
+void settle_settings(RenderJob& job, const RenderHints& hints)
+{
+    const std::vector<std::string> taken = settle_picture(job, hints);
+    if (!taken.empty()) console().detail(fmt::format("taken over from the scene: {}", fmt::join(taken, ", ")));
+}
+
+void settle_render(RenderJob& job, const RenderHints& hints)
+{
+    std::vector<std::string> taken = settle_picture(job, hints);
     settle_outputs(job, hints, taken);
     check_memory(job.settings);
     if (!taken.empty()) console().detail(fmt::format("taken over from the scene: {}", fmt::join(taken, ", ")));

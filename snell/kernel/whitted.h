@@ -91,16 +91,16 @@ SNELL_FN WhittedStep shade_whitted(SNELL_IN(SceneView) scene, SNELL_IN(RenderPar
     if (v.material.kind == material_dielectric && v.material.alpha == 0.0f) {
         // sample_smooth_dielectric reflects for u = 0 and refracts for the largest u; take both, with their weights
         BsdfSample s0 = sample_smooth_dielectric(v.material, v.wo, 0.0f);
+        s0.weight = s0.weight * s0.pdf;
         SNELL_NOTE(bsdf_0, s0);
         SNELL_NOTE(event_0, scattering_event(v.material, v.wo, s0, 0.0f));
-        s0.weight = s0.weight * s0.pdf;
         step.next_0 = scatter(scene, step.state, v, s0);
         step.has_next_0 = is_worth_following(step.next_0.state) ? 1u : 0u;
         if (s0.pdf < 1.0f) {
             BsdfSample s1 = sample_smooth_dielectric(v.material, v.wo, 1.0f);
+            s1.weight = s1.weight * s1.pdf;
             SNELL_NOTE(bsdf_1, s1);
             SNELL_NOTE(event_1, scattering_event(v.material, v.wo, s1, 1.0f));
-            s1.weight = s1.weight * s1.pdf;
             step.next_1 = scatter(scene, step.state, v, s1);
             step.has_next_1 = is_worth_following(step.next_1.state) ? 1u : 0u;
         }

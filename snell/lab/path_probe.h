@@ -55,7 +55,7 @@ struct ProbedVertex
         uint event = 0;        // event_* of snell/kernel/record.h
         vec3 direction{0.0f};  // of the next ray; zero if there is none
         float pdf = 0;         // of the BSDF per steradian; a probability if the event is specular
-        vec3 weight{0.0f};     // BSDF * |cos| / pdf
+        vec3 weight{0.0f};     // what throughput is multiplied with: BSDF * |cos| / pdf; of two, times the pdf
         vec3 throughput{0.0f}; // after it, roulette's division included
         int vertex = -1;       // where it led; -1: it was not followed
     };
