@@ -326,10 +326,11 @@ int run_probe(const Arguments& arguments)
     settings.keep_motion = job.render.scene.time.has_value();
     const std::unique_ptr<Prepared> prepared = prepare(scene, settings);
 
-    Probed probed{scene, settings, probe_pixel(*prepared, scene, settings, pixel.x0, pixel.y0), {}, {}, false};
+    Probed probed{scene, settings, probe_pixel(*prepared, prepared->camera, scene, settings, pixel.x0, pixel.y0),
+                  {},    {},       false};
     probed.value = pixel_value(render(*prepared, settings).film, pixel.x0, pixel.y0);
-    probed.path = probe_path(*prepared, settings, pixel.x0, pixel.y0, job.sample);
-    const vec3 rendered = render_sample(*prepared, settings, pixel.x0, pixel.y0, job.sample);
+    probed.path = probe_path(*prepared, prepared->camera, settings, pixel.x0, pixel.y0, job.sample);
+    const vec3 rendered = render_sample(*prepared, prepared->camera, settings, pixel.x0, pixel.y0, job.sample);
     // a sample that is not finite is left out of the picture
     const vec3 replayed = is_finite3(probed.path.radiance) ? probed.path.radiance : vec3(0.0f);
     probed.is_exact = replayed == rendered;

@@ -89,7 +89,8 @@ SceneQuality measure_scene_quality(const PackedScene& scene, const BuildOptions&
 
 // ---- speed ----
 
-ViewRays make_view_rays(const Prepared& prepared, const RenderSettings& settings, std::size_t count)
+ViewRays make_view_rays(const Prepared& prepared, const CameraDesc& camera, const RenderSettings& settings,
+                        std::size_t count)
 {
     const IntegratorInfo* path = find_integrator("path");
     RenderSettings plain = settings;
@@ -100,7 +101,7 @@ ViewRays make_view_rays(const Prepared& prepared, const RenderSettings& settings
                                                  (static_cast<double>(settings.width) * settings.height)));
     plain.width = std::max(8, static_cast<int>(settings.width * scale) / 8 * 8);
     plain.height = std::max(8, static_cast<int>(settings.height * scale) / 8 * 8);
-    const RenderParams params = make_render_params(plain, *path, prepared.camera, prepared.packed.radius);
+    const RenderParams params = make_render_params(plain, *path, camera, prepared.packed.radius);
 
     ViewRays rays;
     std::vector<PathState> states;

@@ -47,7 +47,8 @@ struct ViewRays
 {
     std::vector<Ray> camera, bounce;
 };
-ViewRays make_view_rays(const Prepared& prepared, const RenderSettings& settings, std::size_t count);
+ViewRays make_view_rays(const Prepared& prepared, const CameraDesc& camera, const RenderSettings& settings,
+                        std::size_t count);
 
 // Millions of rays a second of this thread's time: the median of at least three rounds through the rays, and of as many
 // as go into `seconds` for each set. 0 for a set without rays.

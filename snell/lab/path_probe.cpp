@@ -4,6 +4,7 @@
 #include "snell/core/error.h"
 #include "snell/kernel/views.h"
 #include "snell/kernel/whitted.h"
+#include "snell/render/backend.h"
 #include "snell/render/integrator.h"
 #include "snell/render/params.h"
 #include "snell/render/visibility.h"
@@ -261,14 +262,21 @@ class Replay
 
 } // namespace
 
-ProbedPath probe_path(const Prepared& prepared, const RenderSettings& settings, int x, int y, uint sample)
+static const IntegratorInfo& checked_integrator(const RenderSettings& settings, int x, int y)
 {
     const IntegratorInfo* integrator = find_integrator(settings.integrator);
     if (integrator == nullptr)
         throw Error(fmt::format("there is no integrator '{}'", settings.integrator), "`snell list` names them");
     if (x < 0 || y < 0 || x >= settings.width || y >= settings.height)
         throw Error(fmt::format("pixel {},{} is not inside the {}x{} picture", x, y, settings.width, settings.height));
-    const RenderParams params = make_render_params(settings, *integrator, prepared.camera, prepared.packed.radius);
+    return *integrator;
+}
+
+ProbedPath probe_path(const Prepared& prepared, const CameraDesc& camera, const RenderSettings& settings, int x, int y,
+                      uint sample)
+{
+    const IntegratorInfo* integrator = &checked_integrator(settings, x, y);
+    const RenderParams params = make_render_params(settings, *integrator, camera, prepared.packed.radius);
     ProbedPath path;
     path.x = x;
     path.y = y;
@@ -289,16 +297,19 @@ ProbedPath probe_path(const Prepared& prepared, const RenderSettings& settings, 
     return path;
 }
 
-vec3 render_sample(const Prepared& prepared, const RenderSettings& settings, int x, int y, uint sample)
+vec3 render_sample(const Prepared& prepared, const CameraDesc& camera, const RenderSettings& settings, int x, int y,
+                   uint sample)
 {
+    const IntegratorInfo& integrator = checked_integrator(settings, x, y);
     RenderSettings one = settings;
-    one.region = Region{x, y, x + 1, y + 1};
-    one.first_sample = sample;
-    one.spp = 1;
     one.layers = false;
-    one.timeout_seconds = one.target_error = 0;
-    return render(prepared, one)
-        .film.sum[static_cast<std::size_t>(y) * static_cast<std::size_t>(settings.width) + static_cast<std::size_t>(x)];
+    one.strict = false;
+    const RenderParams params = make_render_params(one, integrator, camera, prepared.packed.radius);
+    Film film(settings.width, settings.height, false);
+    make_cpu_backend({prepared.packed, *prepared.accel, params, one, integrator})
+        ->render_samples(Region{x, y, x + 1, y + 1}, sample, 1, film, [] { return true; });
+    return film
+        .sum[static_cast<std::size_t>(y) * static_cast<std::size_t>(settings.width) + static_cast<std::size_t>(x)];
 }
 
 std::string_view event_name(uint event)

@@ -85,13 +85,15 @@ struct ProbedPath
 };
 
 // Replays sample number `sample` (RenderSettings::first_sample not added) of pixel (x, y) with the kernel functions of
-// the integrator that the settings name, compiled once more so that they note what they find. `radiance` is, bit for
-// bit, what render() adds to that pixel for that sample. Of a view and of an integrator of one's own there is one
-// vertex, the first, and one contribution. Throws Error as render() does.
-ProbedPath probe_path(const Prepared& prepared, const RenderSettings& settings, int x, int y, uint sample);
+// the integrator that the settings name, seen by `camera` (Prepared::camera, or another), compiled once more so that
+// they note what they find. `radiance` is, bit for bit, what render() adds to that pixel for that sample. Of a view and
+// of an integrator of one's own there is one vertex, the first, and one contribution. Throws Error as render() does.
+ProbedPath probe_path(const Prepared& prepared, const CameraDesc& camera, const RenderSettings& settings, int x, int y,
+                      uint sample);
 
-// The same sample by render(), on its own: what probe_path() must equal.
-vec3 render_sample(const Prepared& prepared, const RenderSettings& settings, int x, int y, uint sample);
+// The same sample by the renderer's backend, on its own: what probe_path() must equal. 0 if it is not finite.
+vec3 render_sample(const Prepared& prepared, const CameraDesc& camera, const RenderSettings& settings, int x, int y,
+                   uint sample);
 
 // Words for tables.
 std::string_view event_name(uint event);

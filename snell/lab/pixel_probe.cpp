@@ -39,13 +39,14 @@ std::string primitive_name(uint primitive)
                        primitive_index(primitive));
 }
 
-PixelProbe probe_pixel(const Prepared& prepared, const Scene& scene, const RenderSettings& settings, int x, int y)
+PixelProbe probe_pixel(const Prepared& prepared, const CameraDesc& camera, const Scene& scene,
+                       const RenderSettings& settings, int x, int y)
 {
     RenderSettings centre = settings;
     centre.integrator = "albedo";
     centre.parameters.clear();
     centre.pixel_jitter = false;
-    ProbedPath path = probe_path(prepared, centre, x, y, 0);
+    ProbedPath path = probe_path(prepared, camera, centre, x, y, 0);
     PixelProbe probe;
     probe.x = x;
     probe.y = y;

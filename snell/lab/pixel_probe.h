@@ -17,7 +17,8 @@ struct PixelProbe
 };
 
 // scene: what `prepared` was made from, for the names. Throws Error if the pixel is not in the picture.
-PixelProbe probe_pixel(const Prepared& prepared, const Scene& scene, const RenderSettings& settings, int x, int y);
+PixelProbe probe_pixel(const Prepared& prepared, const CameraDesc& camera, const Scene& scene,
+                       const RenderSettings& settings, int x, int y);
 
 // The name of an object by its number (meshes, then spheres, then planes), "sphere 3" if it has none; "" for none.
 std::string object_name(const Scene& scene, uint object);

@@ -62,7 +62,8 @@ TEST(Probe, Text)
     for (const char* word : {"back wall", "'white'", "MIS weight", "diffuse reflection", "throughput", "to the bit"})
         EXPECT_NE(outcome.out.find(word), std::string::npos) << word << "\n" << outcome.out;
     // Of a ray that meets nothing, and of a view.
-    const Outcome sky = program.run({"probe", "spheres", "--size", "64x64", "--pixel", "32,0"});
+    const Outcome sky =
+        program.run({"probe", "spheres", "--size", "64x64", "--pixel", "32,32", "--eye", "0,1,5", "--target", "0,9,4"});
     EXPECT_EQ(sky.code, 0) << sky.err;
     EXPECT_NE(sky.out.find("escaped from the camera"), std::string::npos) << sky.out;
     const Outcome view = program.run({"probe", "cornell", "--pixel", "3,4", "--integrator", "steps"});

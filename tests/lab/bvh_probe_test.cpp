@@ -34,7 +34,7 @@ RenderSettings settings_of(const std::string& accel)
 
 std::vector<Ray> rays_of(const Prepared& prepared)
 {
-    const ViewRays view = make_view_rays(prepared, settings_of(""), 4096);
+    const ViewRays view = make_view_rays(prepared, prepared.camera, settings_of(""), 4096);
     std::vector<Ray> rays = view.camera;
     rays.insert(rays.end(), view.bounce.begin(), view.bounce.end());
     std::mt19937 random(3);
@@ -166,7 +166,7 @@ TEST(BvhProbe, StructuresAreMeasured)
     validate(scene);
     complete(scene, 1.0f);
     const auto prepared = prepare(scene, settings_of(""));
-    const ViewRays rays = make_view_rays(*prepared, settings_of(""), 4096);
+    const ViewRays rays = make_view_rays(*prepared, prepared->camera, settings_of(""), 4096);
     EXPECT_EQ(rays.camera.size(), 4096u);
     EXPECT_GT(rays.bounce.size(), 500u);
     const StructureFigures good = measure_structure(*prepared, "bvh8", "sweep", rays, 0.0);

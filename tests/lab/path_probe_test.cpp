@@ -99,8 +99,8 @@ TEST(PathProbe, RadianceIsTheRenderersToTheBit)
             for (int i = 0; i < (is_light ? 400 : 40); ++i) {
                 const int x = static_cast<int>(random() % 24), y = static_cast<int>(random() % 20);
                 const auto sample = static_cast<uint>(random() % 1000);
-                const ProbedPath path = probe_path(*prepared, settings, x, y, sample);
-                const vec3 wanted = render_sample(*prepared, settings, x, y, sample);
+                const ProbedPath path = probe_path(*prepared, prepared->camera, settings, x, y, sample);
+                const vec3 wanted = render_sample(*prepared, prepared->camera, settings, x, y, sample);
                 ASSERT_TRUE(same_bits(path.radiance, wanted))
                     << name << ", " << integrator << ": sample " << sample << " of " << x << "," << y << " is "
                     << path.radiance.x << " " << path.radiance.y << " " << path.radiance.z << ", rendered " << wanted.x
@@ -133,7 +133,7 @@ TEST(PathProbe, SamplesAddUpToTheFilm)
                 Film one(1, 1, false);
                 vec3 direct(0.0f);
                 for (uint s = 0; s < settings.spp; ++s) {
-                    const ProbedPath path = probe_path(*prepared, settings, x, y, s);
+                    const ProbedPath path = probe_path(*prepared, prepared->camera, settings, x, y, s);
                     one.add_sample(0, path.radiance);
                     direct += path.layers[layer_direct];
                 }
@@ -156,8 +156,9 @@ TEST(PathProbe, SwitchesOfTheIntegratorCount)
         for (int i = 0; i < 200; ++i) {
             const int x = i % 24, y = i % 19;
             const uint sample = static_cast<uint>(i);
-            const ProbedPath path = probe_path(*prepared, settings, x, y, sample);
-            ASSERT_TRUE(same_bits(path.radiance, render_sample(*prepared, settings, x, y, sample))) << key;
+            const ProbedPath path = probe_path(*prepared, prepared->camera, settings, x, y, sample);
+            ASSERT_TRUE(same_bits(path.radiance, render_sample(*prepared, prepared->camera, settings, x, y, sample)))
+                << key;
             for (const ProbedVertex& v : path.vertices) {
                 if (std::string(key) == "nee") {
                     EXPECT_TRUE(v.lights.empty());
@@ -180,7 +181,8 @@ TEST(PathProbe, TheRecordHoldsTogether)
         const auto prepared = prepare(scene, settings);
         SCOPED_TRACE(name);
         for (int i = 0; i < 300; ++i) {
-            const ProbedPath path = probe_path(*prepared, settings, (7 * i) % 24, (5 * i) % 20, static_cast<uint>(i));
+            const ProbedPath path =
+                probe_path(*prepared, prepared->camera, settings, (7 * i) % 24, (5 * i) % 20, static_cast<uint>(i));
             ASSERT_FALSE(path.vertices.empty());
             EXPECT_EQ(path.vertices[0].parent, -1);
             EXPECT_EQ(static_cast<int>(path.film_position.x), path.x);
@@ -271,7 +273,7 @@ TEST(PathProbe, WhittedBranches)
     std::size_t forks = 0;
     for (int y = 0; y < settings.height; ++y)
         for (int x = 0; x < settings.width; ++x)
-            for (const ProbedVertex& v : probe_path(*prepared, settings, x, y, 0).vertices)
+            for (const ProbedVertex& v : probe_path(*prepared, prepared->camera, settings, x, y, 0).vertices)
                 forks += v.continuations.size() == 2 && v.continuations[0].event == event_specular_reflection &&
                          v.continuations[1].event == event_specular_refraction && v.continuations[1].vertex >= 0;
     EXPECT_GT(forks, 3u);
@@ -280,9 +282,9 @@ TEST(PathProbe, WhittedBranches)
 TEST(PathProbe, RefusesWhatIsNotThere)
 {
     const auto prepared = prepare(mixed_scene(), tiny("path"));
-    EXPECT_THROW(probe_path(*prepared, tiny("path"), 24, 0, 0), Error);
-    EXPECT_THROW(probe_path(*prepared, tiny("path"), 0, -1, 0), Error);
-    EXPECT_THROW(probe_path(*prepared, tiny("parth"), 0, 0, 0), Error);
+    EXPECT_THROW(probe_path(*prepared, prepared->camera, tiny("path"), 24, 0, 0), Error);
+    EXPECT_THROW(probe_path(*prepared, prepared->camera, tiny("path"), 0, -1, 0), Error);
+    EXPECT_THROW(probe_path(*prepared, prepared->camera, tiny("parth"), 0, 0, 0), Error);
 }
 
 } // namespace

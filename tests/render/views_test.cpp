@@ -1,4 +1,5 @@
 // What the views and layers show of a hit: interpolated attributes, distances, ids, against values worked out by hand.
+#include "snell/kernel/views.h"
 #include "tests/render/scenes.h"
 
 namespace snell::test {
@@ -77,8 +78,30 @@ TEST(Views, TriangleAttributesAreInterpolated)
             const vec3 n = w * normalize(vec3(-0.2f, -0.2f, 1)) + s.x * normalize(vec3(0.5f, 0, 1)) +
                            s.y * normalize(vec3(0, 0.5f, 1));
             expect_near(view_at(scene, s, "normals"), 0.5f * normalize(n) + 0.5f);
+            expect_near(view_at(scene, s, "geometric-normals"), vec3(0.5f, 0.5f, 1.0f));
+            // the second triangle's vertices are named the other way round
+            expect_near(view_at(scene, s, "barycentrics"), mirrored ? vec3(w, s.y, s.x) : vec3(w, s.x, s.y));
         }
     }
+}
+
+TEST(Views, SidesAndNumbers)
+{
+    Scene scene = triangle_scene(true); // two instances
+    const vec3 front = view_at(scene, {0.2f, 0.2f}, "facing");
+    EXPECT_GT(front.z, front.x);
+    Scene turned = triangle_scene(false);
+    for (vec3& n : turned.meshes[0].normals) n = -n;
+    std::swap(turned.meshes[0].triangles[0][1], turned.meshes[0].triangles[0][2]);
+    const vec3 back = view_at(turned, {0.2f, 0.2f}, "facing");
+    EXPECT_GT(back.x, back.z);
+    const vec3 numbers[] = {view_at(scene, {0.2f, 0.2f}, "object"), view_at(scene, {0.2f, 0.2f}, "instance"),
+                            view_at(scene, {0.2f, 0.2f}, "primitive")};
+    expect_near(numbers[0], id_color(0), 1e-6f);
+    expect_near(numbers[1], id_color(0), 1e-6f);
+    expect_near(numbers[2], id_color(0), 1e-6f);
+    expect_near(view_at(triangle_scene(false), {0.2f, 0.2f}, "instance"), id_color(none), 1e-6f); // placed once
+    for (uint i = 0; i < 1000; ++i) EXPECT_GT(length(id_color(i) - id_color(i + 1)), 0.01f) << i;
 }
 
 TEST(Views, LayersTellTheFirstHit)
