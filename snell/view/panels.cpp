@@ -9,6 +9,10 @@ std::unique_ptr<Panel> make_inspector_panel();
 std::unique_ptr<Panel> make_timeline_panel();
 std::unique_ptr<Panel> make_settings_panel();
 std::unique_ptr<Panel> make_view_settings_panel();
+std::unique_ptr<Panel> make_views_panel();
+std::unique_ptr<Panel> make_probe_panel();
+std::unique_ptr<Panel> make_paths_panel();
+std::unique_ptr<Panel> make_bvh_panel();
 std::unique_ptr<Panel> make_messages_panel();
 std::unique_ptr<Panel> make_help_panel();
 
@@ -20,6 +24,10 @@ std::vector<std::unique_ptr<Panel>> make_panels()
     panels.push_back(make_inspector_panel());
     panels.push_back(make_timeline_panel());
     panels.push_back(make_view_settings_panel());
+    panels.push_back(make_views_panel());
+    panels.push_back(make_probe_panel());
+    panels.push_back(make_paths_panel());
+    panels.push_back(make_bvh_panel());
     panels.push_back(make_messages_panel());
     panels.push_back(make_help_panel());
     return panels;
