@@ -215,6 +215,13 @@ HWY_INLINE bool visit_triangles(const TriangleBlock* block, RayState<Node>& s)
     }
 }
 
+// For comparisons; not inlined, to save code.
+template <Query query, class Node>
+HWY_NOINLINE bool visit_by_moller_trumbore(const TriangleBlock* block, RayState<Node>& s)
+{
+    return visit_triangles<query, TriangleTest::moller_trumbore>(block, s);
+}
+
 // Whether a ray meets any triangle of a leaf; without branches that depend on the answer.
 template <class Node>
 HWY_INLINE bool is_blocked(const TriangleBlock* block, RayState<Node>& s)

@@ -31,8 +31,31 @@ class Stacks
     std::vector<uint> memory;
 };
 
+// What a batch of rays is answered with: hits, or whether anything is in the way.
+template <Query query>
+using Answer = std::conditional_t<query == Query::any, std::uint8_t, Hit>;
+HWY_INLINE void give(Hit& answer, const Hit& hit)
+{
+    answer = hit;
+}
+HWY_INLINE void give(std::uint8_t& answer, const Hit& hit)
+{
+    answer = is_hit(hit);
+}
+
+// What is left to do of a ray that has left its packet; all of it in the world's tree.
+struct Rest
+{
+    static constexpr uint most = 14;
+    uint ray, count;
+    float best; // as in RayState
+    Hit hit;
+    ChildWord word[most]; // to visit, the nearest first
+    float enter[most];    // no ray enters its box before this
+};
+
 // Everything a traversal needs to go on with one ray, apart from visiting inner nodes.
-template <Query query, TriangleTest test, class Node>
+template <Query query, class Node>
 class Walker
 {
   public:
@@ -65,23 +88,46 @@ class Walker
         return true;
     }
 
+    // The same for a ray that has begun in a packet.
+    HWY_INLINE bool go_on(State& s, const Rest& rest) const
+    {
+        s.ray_index = rest.ray;
+        s.hit = rest.hit;
+        s.steps = 0;
+        s.stack_size = 0;
+        s.best = rest.best;
+        enter_space(s, rays[rest.ray], bvh.world, none);
+        push(s, word_done);
+        for (uint k = rest.count; k-- > 0;) {
+            s.stack[s.stack_size] = rest.word[k];
+            s.stack[s.stack_size + stride] = floatBitsToUint(rest.enter[k]);
+            ++s.stack_size;
+        }
+        s.current = s.stack[--s.stack_size];
+        return true;
+    }
+
     // Visits the leaf, instance or marker that is `current`. True if a hit was found or improved. What comes next is
     // on the stack.
     HWY_INLINE bool visit_leaf(State& s) const
     {
+        if (RefKind(s.current >> 30) != RefKind::triangle) return visit_other(s);
+        const TriangleBlock* block = &block_at(s.lines, s.current & child_index_mask);
+        if (HWY_UNLIKELY(input.triangle_test != TriangleTest::watertight))
+            return visit_by_moller_trumbore<query>(block, s);
+        return visit_triangles<query, TriangleTest::watertight>(block, s);
+    }
+
+    // The same for all but triangles.
+    HWY_INLINE bool visit_other(State& s) const
+    {
         const uint index = s.current & child_index_mask;
-        switch (RefKind(s.current >> 30)) {
-        case RefKind::triangle:
-            return visit_triangles<query, test>(&block_at(s.lines, index), s);
-        case RefKind::sphere:
+        if (RefKind(s.current >> 30) == RefKind::sphere)
             return visit_spheres<query>(*input.scene, s.tree->spheres[index], s);
-        case RefKind::instance:
-            if (s.current == word_leave_instance)
-                enter_space(s, rays[s.ray_index], first, none);
-            else
-                enter_instance(s, index);
-            return false;
-        }
+        if (s.current == word_leave_instance)
+            enter_space(s, rays[s.ray_index], first, none);
+        else
+            enter_instance(s, index);
         return false;
     }
 
@@ -131,8 +177,8 @@ class Walker
 };
 
 // Traces one ray until its stack is empty. For any hit: until the first, whose primitive is then 0, whatever it was.
-template <Query query, TriangleTest test, class Node>
-HWY_INLINE void walk(const Walker<query, test, Node>& walker, RayState<Node>& s)
+template <Query query, class Node>
+HWY_NOINLINE void walk(const Walker<query, Node>& walker, RayState<Node>& s)
 {
     const std::size_t stride = walker.stride;
     const Node* nodes = s.nodes;
@@ -176,28 +222,19 @@ HWY_INLINE void walk(const Walker<query, test, Node>& walker, RayState<Node>& s)
     }
 }
 
-template <Query query, TriangleTest test, class Node, class Finish>
-HWY_INLINE void trace_one_by_one(const TraceInput<Node>& input, std::span<const Ray> rays, std::span<const Hit> after,
-                                 const Finish& finish)
+// finish(state) takes what was found.
+template <Query query, class Node, class Finish>
+HWY_INLINE void single(const TraceInput<Node>& input, std::span<const Ray> rays, const Finish& finish,
+                       std::span<const Hit> after = {})
 {
     Stacks stacks(1, input.bvh->stack_size());
-    const Walker<query, test, Node> walker(input, rays, stacks.stride, after);
+    const Walker<query, Node> walker(input, rays, stacks.stride, after);
     RayState<Node> s;
     s.stack = stacks.stack(0);
     for (std::size_t i = 0; i < rays.size(); ++i) {
         if (walker.start(s, i)) walk(walker, s);
         finish(s);
     }
-}
-
-template <Query query, class Node, class Finish>
-HWY_INLINE void single(const TraceInput<Node>& input, std::span<const Ray> rays, const Finish& finish,
-                       std::span<const Hit> after = {})
-{
-    if (input.triangle_test == TriangleTest::watertight)
-        trace_one_by_one<query, TriangleTest::watertight>(input, rays, after, finish);
-    else
-        trace_one_by_one<query, TriangleTest::moller_trumbore>(input, rays, after, finish);
 }
 
 template <class Node>
@@ -235,18 +272,17 @@ void single_counted(const TraceInput<Node>& input, std::span<const Ray> rays, st
 // independent rays; a ray changes lists without a branch. The list of inner nodes is a ring, for the end of a list is a
 // branch that nobody can predict. When few rays are left in it, the other lists are worked off, where rays also end and
 // new ones begin.
-// start(walker, state, number) begins with one of `count` rays, as Walker::start does, and may leave up to `pushed`
-// entries on its stack.
-template <Query query, class Node, class Start, class Finish>
-HWY_INLINE void trace_in_flight(const TraceInput<Node>& input, std::span<const Ray> rays, std::size_t count_of_rays,
-                                uint pushed, const Start& start, const Finish& finish)
+// Traces all rays, or if `rests` is not empty what is left of some of them.
+template <Query query, class Node>
+HWY_NOINLINE void trace_in_flight(const TraceInput<Node>& input, std::span<const Ray> rays, std::span<const Rest> rests,
+                                  std::span<Answer<query>> answers)
 {
-    constexpr TriangleTest test = TriangleTest::watertight;
+    const std::size_t count_of_rays = rests.empty() ? rays.size() : rests.size();
     constexpr std::size_t flight = 32;
     constexpr std::size_t enough = flight / 4; // rays at inner nodes that keep the processor busy
-    Stacks stacks(flight, input.bvh->stack_size() + pushed);
+    Stacks stacks(flight, input.bvh->stack_size() + (rests.empty() ? 0 : Rest::most + 1));
     const std::size_t stride = stacks.stride;
-    const Walker<query, test, Node> walker(input, rays, stride);
+    const Walker<query, Node> walker(input, rays, stride);
     RayState<Node> states[flight];
     for (std::size_t slot = 0; slot < flight; ++slot) states[slot].stack = stacks.stack(slot);
     std::uint8_t ring[flight], leaves[2 * flight], others[2 * flight];
@@ -275,11 +311,13 @@ HWY_INLINE void trace_in_flight(const TraceInput<Node>& input, std::span<const R
     // Gives the slot to the next ray that has something to traverse.
     const auto refill = [&](std::size_t slot) {
         while (next_ray < count_of_rays) {
-            if (start(walker, states[slot], next_ray++)) {
-                sort_in(slot, states[slot].current);
+            RayState<Node>& s = states[slot];
+            const std::size_t i = next_ray++;
+            if (rests.empty() ? walker.start(s, i) : walker.go_on(s, rests[i])) {
+                sort_in(slot, s.current);
                 return;
             }
-            finish(states[slot]);
+            give(answers[s.ray_index], s.hit);
         }
     };
 
@@ -317,7 +355,7 @@ HWY_INLINE void trace_in_flight(const TraceInput<Node>& input, std::span<const R
                 sort_in(slot, s.current);
                 continue;
             }
-            const bool improved = visit_triangles<query, test>(block, s);
+            const bool improved = visit_triangles<query, TriangleTest::watertight>(block, s);
             if (improved) drop_farther(s, stride);
             s.current = s.stack[--s.stack_size];
             fetch(s, s.current);
@@ -330,14 +368,14 @@ HWY_INLINE void trace_in_flight(const TraceInput<Node>& input, std::span<const R
             const std::size_t slot = todo[i];
             RayState<Node>& s = states[slot];
             if (s.current == word_done) {
-                finish(s);
+                give(answers[s.ray_index], s.hit);
                 refill(slot);
                 continue;
             }
-            const bool improved = walker.visit_leaf(s);
+            const bool improved = walker.visit_other(s);
             if (improved && query == Query::any) {
                 s.hit.primitive = 0;
-                finish(s);
+                give(answers[s.ray_index], s.hit);
                 refill(slot);
                 continue;
             }
@@ -349,33 +387,18 @@ HWY_INLINE void trace_in_flight(const TraceInput<Node>& input, std::span<const R
     }
 }
 
-template <Query query, class Node, class Finish>
-HWY_INLINE void trace_in_flight(const TraceInput<Node>& input, std::span<const Ray> rays, const Finish& finish)
-{
-    const auto start = [](const Walker<query, TriangleTest::watertight, Node>& walker, RayState<Node>& s, std::size_t i)
-                           HWY_ATTR { return walker.start(s, i); };
-    trace_in_flight<query>(input, rays, rays.size(), 0, start, finish);
-}
-
-template <Query query, class Node, class Finish>
-HWY_INLINE void stream(const TraceInput<Node>& input, std::span<const Ray> rays, const Finish& finish)
-{
-    if (input.triangle_test == TriangleTest::watertight)
-        trace_in_flight<query>(input, rays, finish);
-    else
-        single<query>(input, rays, finish);
-}
-
 template <class Node>
 void stream_closest(const TraceInput<Node>& input, std::span<const Ray> rays, std::span<Hit> hits)
 {
-    stream<Query::closest>(input, rays, [&](const RayState<Node>& s) { hits[s.ray_index] = s.hit; });
+    if (input.triangle_test != TriangleTest::watertight) return single_closest(input, rays, hits);
+    trace_in_flight<Query::closest>(input, rays, {}, hits);
 }
 
 template <class Node>
 void stream_any(const TraceInput<Node>& input, std::span<const Ray> rays, std::span<std::uint8_t> blocked)
 {
-    stream<Query::any>(input, rays, [&](const RayState<Node>& s) { blocked[s.ray_index] = is_hit(s.hit); });
+    if (input.triangle_test != TriangleTest::watertight) return single_any(input, rays, blocked);
+    trace_in_flight<Query::any>(input, rays, {}, blocked);
 }
 
 } // namespace HWY_NAMESPACE
