@@ -116,5 +116,55 @@ TEST(BvhPackets, RaysOfManyLengths)
     expect_same_as_single(scene, rays, 100);
 }
 
+// Rays in a bare room with a dense thing in its middle visit hardly any nodes: those in flight stop at the probe, and
+// the default finishes the batch in packets. Rays in the thing itself go on.
+TEST(BvhPackets, RaysOfFewVisitsAreLeftToThem)
+{
+    Random random(9);
+    PackedScene scene;
+    for (int axis = 0; axis < 3; ++axis)
+        for (const float side : {-1.0f, 1.0f}) {
+            vec3 corner[4];
+            for (int i = 0; i < 4; ++i) {
+                corner[i][axis] = side;
+                corner[i][(axis + 1) % 3] = i == 0 || i == 3 ? -1.0f : 1.0f;
+                corner[i][(axis + 2) % 3] = i < 2 ? -1.0f : 1.0f;
+            }
+            add_triangle(scene, corner[0], corner[1], corner[2]);
+            add_triangle(scene, corner[0], corner[2], corner[3]);
+        }
+    for (int i = 0; i < 4000; ++i) {
+        const vec3 a = random.in_box(0.02f);
+        add_triangle(scene, a, a + random.in_box(0.004f), a + random.in_box(0.004f));
+    }
+    end_world(scene);
+    constexpr std::size_t count = 3000, probe = 512;
+    std::vector<Ray> across, within;
+    for (std::size_t i = 0; i < count; ++i) {
+        across.push_back(make_ray(random.in_box(0.9f), random.in_box(1.0f), infinity()));
+        within.push_back(make_ray(random.in_box(0.02f), random.in_box(1.0f), infinity()));
+    }
+    AccelOptions options;
+    const WideBvh<Node8> bvh = make_wide<Node8>(scene, options.build);
+    const TraceInput<Node8> input = {&bvh, &scene, TriangleTest::watertight, false};
+    for (const std::int64_t target : traversal_targets()) {
+        hwy::SetSupportedTargetsForTest(target);
+        const TraceKernels<Node8> kernels = trace_kernels<Node8>();
+        std::vector<Hit> hits(count);
+        const std::size_t done = kernels.stream(input, across, hits, probe);
+        EXPECT_GE(done, probe);
+        EXPECT_LT(done, probe + 100);
+        EXPECT_EQ(kernels.stream(input, across, hits, 0), count);
+        EXPECT_EQ(kernels.stream(input, within, hits, probe), count);
+        for (const std::vector<Ray>& rays : {across, within}) {
+            std::vector<Hit> expected(count);
+            kernels.single(input, rays, expected);
+            find_accel("bvh8")->make(scene, options)->intersect(rays, hits);
+            EXPECT_EQ(std::memcmp(hits.data(), expected.data(), count * sizeof(Hit)), 0);
+        }
+    }
+    hwy::SetSupportedTargetsForTest(0);
+}
+
 } // namespace
 } // namespace snell::test

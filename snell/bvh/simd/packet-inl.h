@@ -240,7 +240,7 @@ class PacketTracer
     {
         for (; lanes != 0; lanes &= lanes - 1)
             visit_alone(p, static_cast<uint>(hwy::Num0BitsBelowLS1Bit_Nonzero64(lanes)), tree, [&](State& s) HWY_ATTR {
-                s.stack_size = 0;
+                s.top = s.stack;
                 walker.push(s, word_done);
                 s.current = word;
                 walk(walker, s);
