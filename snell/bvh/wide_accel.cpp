@@ -112,14 +112,22 @@ class WideAccel : public Accel
     void occluded(std::span<const Ray> rays, std::span<std::uint8_t> blocked) const override
     {
         SNELL_CHECK_EQ(rays.size(), blocked.size());
+        std::vector<uint> primitives(rays.size());
+        find_blockers(rays, primitives);
+        for (std::size_t i = 0; i < rays.size(); ++i) blocked[i] = primitives[i] != none;
+    }
+
+    void find_blockers(std::span<const Ray> rays, std::span<uint> primitives) const override
+    {
+        SNELL_CHECK_EQ(rays.size(), primitives.size());
         const TraceKernels<Node> kernels = trace_kernels<Node>();
         switch (choose(rays, true)) {
         case Traversal::single:
-            return kernels.single_any(input, rays, blocked);
+            return kernels.single_any(input, rays, primitives);
         case Traversal::packets:
-            return kernels.packets_any(input, rays, blocked);
+            return kernels.packets_any(input, rays, primitives);
         default:
-            return kernels.stream_any(input, rays, blocked);
+            return kernels.stream_any(input, rays, primitives);
         }
     }
 

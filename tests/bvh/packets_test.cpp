@@ -1,6 +1,7 @@
 // Packets of rays, whatever they are made of, find bit for bit the hits of single rays: on every layout and
 // instruction set.
 #include "snell/bvh/simd/traverse.h"
+#include "snell/kernel/intersect.h"
 #include "tests/bvh/scenes.h"
 
 #include <fmt/format.h>
@@ -50,6 +51,45 @@ std::vector<Ray> cone(Random& random, vec3 eye, float width, int count)
     for (int i = 0; i < count; ++i)
         rays.push_back(make_ray(eye, normalize(vec3(0.3f, 0.2f, 1.0f)) + random.in_box(width), infinity()));
     return rays;
+}
+
+// Whatever is found first may be named, but it must be in the way.
+TEST(BvhPackets, BlockersAreInTheWay)
+{
+    Random random(5);
+    PackedScene scene;
+    add_soup(scene, random, 3000, 0.1f);
+    end_world(scene);
+    std::vector<Ray> rays = cone(random, vec3(0.1f), 0.2f, 1000);
+    for (const Ray& ray : random_rays(random, 1000)) rays.push_back(ray);
+    std::vector<Hit> expected(rays.size());
+    find_accel("brute")->make(scene, {})->intersect(rays, expected);
+    std::size_t blocked = 0;
+    for (const char* name : {"bvh2", "bvh4", "bvh8", "bvh8q", "brute"}) {
+        for (const Traversal traversal : {Traversal::single, Traversal::packets, Traversal::stream}) {
+            AccelOptions options;
+            options.traversal = traversal;
+            const auto accel = find_accel(name)->make(scene, options);
+            for (const std::int64_t target : traversal_targets()) {
+                SCOPED_TRACE(fmt::format("{}, {}", name, hwy::TargetName(target)));
+                hwy::SetSupportedTargetsForTest(target);
+                std::vector<uint> primitives(rays.size(), 12345u);
+                accel->find_blockers(rays, primitives);
+                for (std::size_t i = 0; i < rays.size(); ++i) {
+                    ASSERT_EQ(primitives[i] != none, is_hit(expected[i])) << i;
+                    if (primitives[i] == none) continue;
+                    ++blocked;
+                    const Triangle& tri = scene.triangles[primitive_index(primitives[i])];
+                    ASSERT_TRUE(intersect_triangle_watertight(rays[i], shear_ray(rays[i]), scene.positions[tri.v0],
+                                                              scene.positions[tri.v1], scene.positions[tri.v2])
+                                    .ok)
+                        << i;
+                }
+            }
+            hwy::SetSupportedTargetsForTest(0);
+        }
+    }
+    EXPECT_GT(blocked, 10000u);
 }
 
 TEST(BvhPackets, NarrowAndWideCones)

@@ -339,9 +339,9 @@ void packets_closest(const TraceInput<Node>& input, std::span<const Ray> rays, s
 }
 
 template <class Node>
-void packets_any(const TraceInput<Node>& input, std::span<const Ray> rays, std::span<std::uint8_t> blocked)
+void packets_any(const TraceInput<Node>& input, std::span<const Ray> rays, std::span<uint> blockers)
 {
-    PacketTracer<Query::any, Node>(input, rays, blocked).trace_all();
+    PacketTracer<Query::any, Node>(input, rays, blockers).trace_all();
 }
 
 } // namespace HWY_NAMESPACE

@@ -38,16 +38,16 @@ class Stacks
     std::vector<uint> memory;
 };
 
-// What a batch of rays is answered with: hits, or whether anything is in the way.
+// What a batch of rays is answered with: hits, or primitives that are in the way.
 template <Query query>
-using Answer = std::conditional_t<query == Query::any, std::uint8_t, Hit>;
+using Answer = std::conditional_t<query == Query::any, uint, Hit>;
 HWY_INLINE void give(Hit& answer, const Hit& hit)
 {
     answer = hit;
 }
-HWY_INLINE void give(std::uint8_t& answer, const Hit& hit)
+HWY_INLINE void give(uint& answer, const Hit& hit)
 {
-    answer = is_hit(hit);
+    answer = hit.primitive;
 }
 
 // What is left to do of a ray that has left its packet; all of it in the world's tree.
@@ -198,7 +198,7 @@ class Walker
     }
 };
 
-// Traces one ray until its stack is empty. For any hit: until the first, whose primitive is then 0, whatever it was.
+// Traces one ray until its stack is empty. For any hit: until the first, of which the primitive alone is noted.
 template <Query query, class Node>
 HWY_NOINLINE void walk(const Walker<query, Node>& walker, RayState<Node>& s)
 {
@@ -232,10 +232,7 @@ HWY_NOINLINE void walk(const Walker<query, Node>& walker, RayState<Node>& s)
                 slab_ray = load_slab_ray(s);
                 nodes = s.nodes();
             }
-            if (improved && query == Query::any) {
-                s.hit.primitive = 0;
-                return;
-            }
+            if (improved && query == Query::any) return;
         }
         do --top;
         while (query != Query::any && uintBitsToFloat(top[stride]) > s.best);
@@ -273,9 +270,9 @@ void single_next(const TraceInput<Node>& input, std::span<const Ray> rays, std::
 }
 
 template <class Node>
-void single_any(const TraceInput<Node>& input, std::span<const Ray> rays, std::span<std::uint8_t> blocked)
+void single_any(const TraceInput<Node>& input, std::span<const Ray> rays, std::span<uint> blockers)
 {
-    single<Query::any>(input, rays, [&](const RayState<Node>& s) { blocked[s.ray_index] = is_hit(s.hit); });
+    single<Query::any>(input, rays, [&](const RayState<Node>& s) { blockers[s.ray_index] = s.hit.primitive; });
 }
 
 template <class Node>
@@ -383,9 +380,9 @@ HWY_NOINLINE std::size_t trace_in_flight(const TraceInput<Node>& input, std::spa
             const TriangleBlock* block = &block_at(s.lines(), s.current & child_index_mask);
             if (query == Query::any) {
                 // A ray that is blocked is done, and goes to those that are.
-                const uint found = 0u - static_cast<uint>(is_blocked(block, s));
-                s.hit.primitive &= ~found;
-                s.current = *--s.top | found;
+                const uint blocker = blocker_in(block, s);
+                s.hit.primitive = blocker;
+                s.current = *--s.top | (0u - static_cast<uint>(blocker != none));
                 fetch(s, s.current);
                 sort_in(slot, s.current);
                 continue;
@@ -410,7 +407,6 @@ HWY_NOINLINE std::size_t trace_in_flight(const TraceInput<Node>& input, std::spa
                 }
                 const bool improved = walker.visit_other(s);
                 if (improved && query == Query::any) {
-                    s.hit.primitive = 0;
                     give(answers[s.ray_index], s.hit);
                     if (begin_next(s, ring_begin)) sort_in(slot, s.current);
                     continue;
@@ -435,10 +431,10 @@ std::size_t stream_closest(const TraceInput<Node>& input, std::span<const Ray> r
 }
 
 template <class Node>
-void stream_any(const TraceInput<Node>& input, std::span<const Ray> rays, std::span<std::uint8_t> blocked)
+void stream_any(const TraceInput<Node>& input, std::span<const Ray> rays, std::span<uint> blockers)
 {
-    if (input.triangle_test != TriangleTest::watertight) return single_any(input, rays, blocked);
-    trace_in_flight<Query::any>(input, rays, {}, blocked);
+    if (input.triangle_test != TriangleTest::watertight) return single_any(input, rays, blockers);
+    trace_in_flight<Query::any>(input, rays, {}, blockers);
 }
 
 } // namespace HWY_NAMESPACE

@@ -25,7 +25,7 @@ struct TraceKernels
 {
     using Input = const TraceInput<Node>&;
     using Closest = void (*)(Input, std::span<const Ray>, std::span<Hit>);
-    using Any = void (*)(Input, std::span<const Ray>, std::span<std::uint8_t>);
+    using Any = void (*)(Input, std::span<const Ray>, std::span<uint> blockers); // as Accel::find_blockers
 
     // One ray after the other.
     Closest single;
