@@ -1,4 +1,5 @@
 #include "snell/bvh/accel.h"
+#include "snell/core/error.h"
 
 #include "snell/bvh/brute.h"
 #include "snell/bvh/embree.h"
@@ -34,6 +35,14 @@ const AccelInfo* find_accel(std::string_view name)
     for (const AccelInfo& info : registry)
         if (info.name == name) return &info;
     return nullptr;
+}
+
+void Accel::find_blockers(std::span<const Ray> rays, std::span<uint> primitives) const
+{
+    SNELL_CHECK_EQ(rays.size(), primitives.size());
+    std::vector<Hit> hits(rays.size());
+    intersect(rays, hits);
+    for (std::size_t i = 0; i < hits.size(); ++i) primitives[i] = hits[i].primitive;
 }
 
 } // namespace snell

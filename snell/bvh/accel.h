@@ -78,6 +78,10 @@ class Accel
     // blocked[i] becomes 1 if anything lies in (t_min, t_max) of ray i, else 0.
     virtual void occluded(std::span<const Ray> rays, std::span<std::uint8_t> blocked) const = 0;
 
+    // As occluded, and says by what: primitives[i] becomes that of something in (t_min, t_max), not always the nearest,
+    // as in Hit::primitive; none where nothing is.
+    virtual void find_blockers(std::span<const Ray> rays, std::span<uint> primitives) const;
+
     // As intersect, and counts the steps (nodes visited plus primitive tests) of each ray.
     virtual void intersect_counted(std::span<const Ray> rays, std::span<Hit> hits, std::span<uint> steps) const = 0;
 

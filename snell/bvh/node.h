@@ -35,6 +35,7 @@ struct alignas(width_ * 32) FloatNode
 {
     static constexpr uint width = width_;
     static constexpr uint order_bits = width_ == 8 ? 3 : width_ == 4 ? 2 : 1;
+    static constexpr uint row_bytes = width_ * sizeof(float); // of planes
     static constexpr bool empty_is_empty =
         true; // infinite planes: no rounding lets a ray meet a child that is not there
     using Order = std::conditional_t<width_ == 8, std::uint32_t, std::uint8_t>;
@@ -57,6 +58,7 @@ struct alignas(128) QuantisedNode
 {
     static constexpr uint width = 8;
     static constexpr uint order_bits = 3;
+    static constexpr uint row_bytes = 8;
     static constexpr bool empty_is_empty = false; // the planes of an empty box are 255 steps apart: little for far rays
 
     vec3 origin;

@@ -13,8 +13,12 @@
 namespace snell {
 namespace {
 
-// Where prefetching begins to pay: below, the tree nearly fits the second-level cache and it only costs.
-constexpr std::size_t prefetch_bytes = std::size_t{4} << 20;
+// Where prefetching begins to pay: below, the tree fits the second-level cache and it only costs.
+constexpr std::size_t prefetch_bytes = std::size_t{1} << 20;
+
+// So many rays of a batch show whether rays in flight are the best way for the rest; fewer than four times as many are
+// not worth a second way.
+constexpr std::size_t rays_to_probe = 512;
 
 // What most neighbours in a batch have in common.
 struct Coherence
@@ -89,8 +93,12 @@ class WideAccel : public Accel, public Inspectable
         case Traversal::packets:
             return kernels.packets(input, rays, hits);
         default:
-            return kernels.stream(input, rays, hits);
+            break;
         }
+        const bool probe =
+            options.traversal == Traversal::automatic && packets_pay() && rays.size() >= 4 * rays_to_probe;
+        const std::size_t done = kernels.stream(input, rays, hits, probe ? rays_to_probe : 0);
+        if (done < rays.size()) kernels.packets(input, rays.subspan(done), hits.subspan(done));
     }
 
     void intersect_next(std::span<const Ray> rays, std::span<const Hit> after, std::span<Hit> hits) const override
@@ -105,14 +113,22 @@ class WideAccel : public Accel, public Inspectable
     void occluded(std::span<const Ray> rays, std::span<std::uint8_t> blocked) const override
     {
         SNELL_CHECK_EQ(rays.size(), blocked.size());
+        std::vector<uint> primitives(rays.size());
+        find_blockers(rays, primitives);
+        for (std::size_t i = 0; i < rays.size(); ++i) blocked[i] = primitives[i] != none;
+    }
+
+    void find_blockers(std::span<const Ray> rays, std::span<uint> primitives) const override
+    {
+        SNELL_CHECK_EQ(rays.size(), primitives.size());
         const TraceKernels<Node> kernels = trace_kernels<Node>();
         switch (choose(rays, true)) {
         case Traversal::single:
-            return kernels.single_any(input, rays, blocked);
+            return kernels.single_any(input, rays, primitives);
         case Traversal::packets:
-            return kernels.packets_any(input, rays, blocked);
+            return kernels.packets_any(input, rays, primitives);
         default:
-            return kernels.stream_any(input, rays, blocked);
+            return kernels.stream_any(input, rays, primitives);
         }
     }
 
@@ -172,14 +188,15 @@ class WideAccel : public Accel, public Inspectable
         input = {&bvh, &scene, options.triangle_test, stats.bytes > prefetch_bytes};
     }
 
+    // They know the watertight test only. They go through instances ray by ray, and then gain nothing.
+    bool packets_pay() const { return options.triangle_test == TriangleTest::watertight && !bvh.has_instances(); }
+
     Traversal choose(std::span<const Ray> rays, bool any) const
     {
-        // Packets know the watertight test only.
         const bool packets = options.triangle_test == TriangleTest::watertight;
         if (options.traversal == Traversal::packets) return packets ? Traversal::packets : Traversal::single;
         if (options.traversal != Traversal::automatic) return options.traversal;
-        // They go through instances ray by ray, and then gain nothing.
-        const bool pay = packets && !bvh.has_instances();
+        const bool pay = packets_pay();
         if (pay && bvh.world.nodes.size() <= small_tree) return Traversal::packets;
         // Neighbours share nodes and triangles, and then packets are faster than keeping many single rays in flight; of
         // rays that ask for any hit, those from one place are neighbours enough.

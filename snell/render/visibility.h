@@ -2,6 +2,7 @@
 #pragma once
 
 #include "snell/bvh/accel.h"
+#include "snell/kernel/coverage.h"
 
 namespace snell {
 
@@ -28,7 +29,8 @@ void intersect_covered(const SceneView& scene, const Accel& accel, std::span<con
     if ((scene.coverage & (from_camera ? scene_has_holes | scene_has_single_sided : scene_has_holes)) == 0u) return;
     std::vector<uint> which, seeds;
     for (uint i = 0; i < rays.size(); ++i)
-        if (is_hit(hits[i])) which.push_back(i), seeds.push_back(seed(i));
+        if (is_hit(hits[i]) && may_have_hole(scene, hits[i].primitive, from_camera))
+            which.push_back(i), seeds.push_back(seed(i));
     pass_holes(scene, accel, rays, hits, from_camera, std::move(which), std::move(seeds));
 }
 
@@ -36,13 +38,15 @@ template <class Seed>
 void occluded_covered(const SceneView& scene, const Accel& accel, std::span<const Ray> rays,
                       std::span<std::uint8_t> blocked, const Seed& seed)
 {
-    accel.occluded(rays, blocked);
-    if ((scene.coverage & scene_has_holes) == 0u) return;
-    // Of the rays that something blocks, the nearest hits, and then those behind.
+    if ((scene.coverage & scene_has_holes) == 0u) return accel.occluded(rays, blocked);
+    std::vector<uint> blockers(rays.size());
+    accel.find_blockers(rays, blockers);
+    // Of the rays that are blocked by something which may have a hole, the nearest hits, and then those behind.
     std::vector<Ray> candidates;
     std::vector<uint> which, seeds, origin;
     for (uint i = 0; i < rays.size(); ++i) {
-        if (blocked[i] == 0) continue;
+        blocked[i] = blockers[i] != none;
+        if (blockers[i] == none || !may_have_hole(scene, blockers[i], false)) continue;
         which.push_back(static_cast<uint>(candidates.size()));
         candidates.push_back(rays[i]);
         seeds.push_back(seed(i));

@@ -175,7 +175,11 @@ HWY_NOINLINE bool visit_triangle_exactly(const TriangleBlock& block, uint lane, 
 template <Query query, class Node>
 HWY_INLINE bool take_hits(const TriangleBlock& block, uint first, const TriangleHits& hits, RayState<Node>& s)
 {
-    if (query == Query::any && hits.ok != 0) return true;
+    if (query == Query::any && hits.ok != 0) {
+        const auto lane = static_cast<uint>(hwy::Num0BitsBelowLS1Bit_Nonzero32(hits.ok));
+        s.hit.primitive = pack_primitive(kind_triangle, block.id[first + lane]);
+        return true;
+    }
     const TriangleTag d;
     constexpr uint n = hn::MaxLanes(d);
     alignas(32) float t[n], u[n], v[n], det[n];
@@ -215,20 +219,30 @@ HWY_INLINE bool visit_triangles(const TriangleBlock* block, RayState<Node>& s)
     }
 }
 
-// Whether a ray meets any triangle of a leaf; without branches that depend on the answer.
+// For comparisons; not inlined, to save code.
+template <Query query, class Node>
+HWY_NOINLINE bool visit_by_moller_trumbore(const TriangleBlock* block, RayState<Node>& s)
+{
+    return visit_triangles<query, TriangleTest::moller_trumbore>(block, s);
+}
+
+// The first triangle of a leaf that a ray meets, as a primitive, or none; without branches that depend on the answer.
 template <class Node>
-HWY_INLINE bool is_blocked(const TriangleBlock* block, RayState<Node>& s)
+HWY_INLINE uint blocker_in(const TriangleBlock* block, RayState<Node>& s)
 {
     constexpr uint n = hn::MaxLanes(TriangleTag());
-    uint any = 0;
+    uint blocker = none;
     for (;; block = &block_at(reinterpret_cast<const Line*>(block), block->size())) {
         for (uint first = 0; first < max_leaf_size; first += n) {
             TriangleHits hits;
             watertight(*block, first, s, hits);
-            any |= hits.ok;
-            if (HWY_UNLIKELY(hits.unsure != 0)) any |= take_hits<Query::any>(*block, first, hits, s);
+            const auto lane = static_cast<uint>(hwy::Num0BitsBelowLS1Bit_Nonzero32(hits.ok | 1u << (n - 1)));
+            const uint id = pack_primitive(kind_triangle, block->id[first + lane]);
+            blocker = hits.ok != 0 ? id : blocker;
+            if (HWY_UNLIKELY(hits.unsure != 0) && take_hits<Query::any>(*block, first, hits, s))
+                blocker = s.hit.primitive;
         }
-        if (HWY_LIKELY(!block->more)) return any != 0;
+        if (HWY_LIKELY(!block->more)) return blocker;
     }
 }
 

@@ -34,6 +34,15 @@ HWY_INLINE uint mask_bits(D d, hn::Mask<D> mask)
     return bits[0];
 }
 
+template <class Node>
+HWY_INLINE void set_tree(RayState<Node>& s, const Ray& ray, const WideTree<Node>& tree)
+{
+    s.parts[0] = reinterpret_cast<const std::byte*>(tree.lines.data());
+    s.parts[1] = reinterpret_cast<const std::byte*>(tree.nodes.data());
+    s.tree = &tree;
+    s.ray = ray;
+}
+
 // Prepares for a tree in the space of `ray`, which is traceable; the tree is not empty.
 template <class Node>
 HWY_INLINE void enter_space(RayState<Node>& s, const Ray& ray, const WideTree<Node>& tree, uint instance)
@@ -63,12 +72,9 @@ HWY_INLINE void enter_space(RayState<Node>& s, const Ray& ray, const WideTree<No
     s.t_min = ray.t_min;
     const uint octant = mask_bits(d, hn::Lt(reciprocal, hn::Zero(d))) & 7u;
     s.octant = octant;
-    for (uint axis = 0; axis < 3; ++axis) s.enter_row[axis] = 2 * axis + (octant >> axis & 1u);
+    for (uint axis = 0; axis < 3; ++axis) s.enter_row[axis] = Node::row_bytes * (2 * axis + (octant >> axis & 1u));
     s.instance = instance;
-    s.nodes = tree.nodes.data();
-    s.lines = tree.lines.data();
-    s.tree = &tree;
-    s.ray = ray;
+    set_tree(s, ray, tree);
 
     // shear_ray(), from arrays: vec3's operator[] branches.
     alignas(16) float o[4], r[4], v[4];
@@ -98,19 +104,21 @@ HWY_INLINE ShearedRay shear_of(const RayState<Node>& s)
 template <class Node>
 using NodeTag = hn::CappedTag<float, Node::width>;
 
+// row: in bytes from the first plane; see RayState::enter_row.
 template <uint width, class D>
-HWY_INLINE hn::Vec<D> load_planes(D d, const FloatNode<width>& node, uint row, std::size_t first)
+HWY_INLINE hn::Vec<D> load_planes(D d, const FloatNode<width>& node, std::size_t row, std::size_t first)
 {
-    return hn::Load(d, node.planes[row] + first);
+    const auto* const bytes = reinterpret_cast<const std::byte*>(node.planes) + row;
+    return hn::Load(d, reinterpret_cast<const float*>(bytes) + first);
 }
 
 template <class D>
-HWY_INLINE hn::Vec<D> load_planes(D d, const QuantisedNode& node, uint row, std::size_t first)
+HWY_INLINE hn::Vec<D> load_planes(D d, const QuantisedNode& node, std::size_t row, std::size_t first)
 {
     const hn::Rebind<std::uint8_t, D> d8;
     const hn::RebindToSigned<D> di;
-    const auto number = hn::ConvertTo(d, hn::PromoteTo(di, hn::LoadU(d8, node.planes[row] + first)));
-    const uint axis = row / 2;
+    const auto number = hn::ConvertTo(d, hn::PromoteTo(di, hn::LoadU(d8, &node.planes[0][0] + row + first)));
+    const std::size_t axis = row / (2 * QuantisedNode::row_bytes);
     return hn::MulAdd(number, hn::Set(d, (&node.scale.x)[axis]), hn::Set(d, (&node.origin.x)[axis]));
 }
 
@@ -120,7 +128,7 @@ struct SlabRay
 {
     using Vec = hn::Vec<NodeTag<Node>>;
     Vec inverse[3], enter[3], leave[3], t_min;
-    uint row[3];
+    std::size_t row[3];
 };
 
 template <class Node>
@@ -148,9 +156,9 @@ HWY_INLINE Slabs<Node> test_slabs(const Node& node, const SlabRay<Node>& r, floa
     const auto enter_x = hn::MulSub(load_planes(d, node, r.row[0], first), r.inverse[0], r.enter[0]);
     const auto enter_y = hn::MulSub(load_planes(d, node, r.row[1], first), r.inverse[1], r.enter[1]);
     const auto enter_z = hn::MulSub(load_planes(d, node, r.row[2], first), r.inverse[2], r.enter[2]);
-    const auto leave_x = hn::MulSub(load_planes(d, node, r.row[0] ^ 1u, first), r.inverse[0], r.leave[0]);
-    const auto leave_y = hn::MulSub(load_planes(d, node, r.row[1] ^ 1u, first), r.inverse[1], r.leave[1]);
-    const auto leave_z = hn::MulSub(load_planes(d, node, r.row[2] ^ 1u, first), r.inverse[2], r.leave[2]);
+    const auto leave_x = hn::MulSub(load_planes(d, node, r.row[0] ^ Node::row_bytes, first), r.inverse[0], r.leave[0]);
+    const auto leave_y = hn::MulSub(load_planes(d, node, r.row[1] ^ Node::row_bytes, first), r.inverse[1], r.leave[1]);
+    const auto leave_z = hn::MulSub(load_planes(d, node, r.row[2] ^ Node::row_bytes, first), r.inverse[2], r.leave[2]);
     return {hn::Max(hn::Max(enter_x, enter_y), hn::Max(enter_z, r.t_min)),
             hn::Min(hn::Min(leave_x, leave_y), hn::Min(leave_z, hn::Set(d, best)))};
 }
@@ -159,6 +167,10 @@ HWY_INLINE Slabs<Node> test_slabs(const Node& node, const SlabRay<Node>& r, floa
 template <class D, class V>
 HWY_INLINE auto lanes_of(D d, V numbers)
 {
+#if HWY_TARGET <= HWY_AVX2
+    if constexpr (hn::MaxLanes(d) == 8)
+        return hn::Indices256<hn::TFromD<D>>{numbers.raw}; // it looks at those bits only
+#endif
     const hn::RebindToUnsigned<D> du;
     return hn::IndicesFromVec(d, hn::And(numbers, hn::Set(du, hn::MaxLanes(d) - 1)));
 }
@@ -178,15 +190,14 @@ HWY_INLINE auto order_shifts()
     return hn::Load(hn::RebindToUnsigned<NodeTag<Node>>(), shifts);
 }
 
-// Pushes the children that the ray meets, the nearest last. Returns the new number of entries.
+// Pushes the children that the ray meets, the nearest last, from `words` on. Returns the new top of the stack.
 template <Query query, class Node>
-HWY_INLINE uint push_children(const Node& node, const RayState<Node>& s, const SlabRay<Node>& slab_ray,
-                              const Slabs<Node>& slabs, std::size_t stride, uint size)
+HWY_INLINE ChildWord* push_children(const Node& node, const RayState<Node>& s, const SlabRay<Node>& slab_ray,
+                                    const Slabs<Node>& slabs, std::size_t stride, ChildWord* words)
 {
     const NodeTag<Node> d;
     const hn::RebindToUnsigned<NodeTag<Node>> du;
     constexpr std::size_t n = hn::MaxLanes(d);
-    ChildWord* const words = s.stack + size;
     uint* const distances = words + stride;
     const uint order = node.order(s.octant);
     if constexpr (n == Node::width) {
@@ -199,7 +210,7 @@ HWY_INLINE uint push_children(const Node& node, const RayState<Node>& s, const S
         const auto sorted = hn::TableLookupLanes(children, lanes_of(du, front_to_back));
         hn::StoreU(hn::Compress(sorted, met), du, words);
         if (query != Query::any) hn::StoreU(hn::Compress(hn::BitCast(du, enter), met), du, distances);
-        return size + static_cast<uint>(hn::CountTrue(du, met));
+        return words + hn::CountTrue(du, met);
 #else
         // Highway's Compress copies its table to the stack at each call when GCC 12 compiles it for AVX2.
         const auto met = hn::VecFromMask(d, hn::Le(slabs.enter, slabs.leave));
@@ -209,7 +220,7 @@ HWY_INLINE uint push_children(const Node& node, const RayState<Node>& s, const S
         hn::StoreU(hn::TableLookupLanes(children, lanes_of(du, lanes)), du, words);
         if (query != Query::any)
             hn::StoreU(hn::TableLookupLanes(hn::BitCast(du, slabs.enter), lanes_of(du, lanes)), du, distances);
-        return size + static_cast<uint>(hwy::PopCount(bits));
+        return words + hwy::PopCount(bits);
 #endif
     } else {
         alignas(16) uint t[Node::width];
@@ -228,7 +239,7 @@ HWY_INLINE uint push_children(const Node& node, const RayState<Node>& s, const S
             distances[count] = t[lane];
             count += met >> lane & 1u;
         }
-        return size + count;
+        return words + count;
     }
 }
 
@@ -248,6 +259,7 @@ HWY_INLINE void drop_farther(RayState<Node>& s, std::size_t stride)
 {
     uint* const words = s.stack;
     uint* const distances = s.stack + stride;
+    const auto size = static_cast<uint>(s.top - s.stack);
     uint kept = 0;
 #if HWY_TARGET <= HWY_AVX3
     // Most stacks are one vector long: no branch that depends on the ray.
@@ -256,26 +268,25 @@ HWY_INLINE void drop_farther(RayState<Node>& s, std::size_t stride)
     uint i = 0;
     do {
         const auto distance = hn::LoadU(du, distances + i);
-        const auto near =
-            hn::And(hn::FirstN(d, s.stack_size - i), hn::Le(hn::BitCast(d, distance), hn::Set(d, s.best)));
+        const auto near = hn::And(hn::FirstN(d, size - i), hn::Le(hn::BitCast(d, distance), hn::Set(d, s.best)));
         const auto keep = hn::RebindMask(du, near);
         hn::StoreU(hn::Compress(hn::LoadU(du, words + i), keep), du, words + kept);
         hn::StoreU(hn::Compress(distance, keep), du, distances + kept);
         kept += static_cast<uint>(hn::CountTrue(du, keep));
         i += 16;
-    } while (HWY_UNLIKELY(i < s.stack_size));
+    } while (HWY_UNLIKELY(i < size));
 #else
     const hn::CappedTag<float, 8> d;
     const hn::RebindToUnsigned<decltype(d)> du;
     constexpr uint n = hn::MaxLanes(d);
-    for (uint i = 0; i < s.stack_size; i += n) {
+    for (uint i = 0; i < size; i += n) {
         const auto distance = hn::LoadU(du, distances + i);
-        const uint all = s.stack_size - i < n ? (1u << (s.stack_size - i)) - 1 : (1u << n) - 1;
+        const uint all = size - i < n ? (1u << (size - i)) - 1 : (1u << n) - 1;
         const uint near = all & mask_bits(d, hn::Le(hn::BitCast(d, distance), hn::Set(d, s.best)));
         kept += store_lanes(du, near, hn::LoadU(du, words + i), words + kept, distance, distances + kept);
     }
 #endif
-    s.stack_size = kept;
+    s.top = s.stack + kept;
 }
 
 } // namespace HWY_NAMESPACE

@@ -17,12 +17,12 @@ namespace HWY_NAMESPACE {
 
 namespace hn = hwy::HWY_NAMESPACE;
 
-template <Query query, class Node, class Finish>
+template <Query query, class Node>
 class PacketTracer
 {
   public:
-    PacketTracer(const TraceInput<Node>& in, std::span<const Ray> batch, const Finish& when_done)
-        : input(in), bvh(*in.bvh), rays(batch), finish(when_done), stacks(1, in.bvh->stack_size()),
+    PacketTracer(const TraceInput<Node>& in, std::span<const Ray> batch, std::span<Answer<query>> to)
+        : input(in), bvh(*in.bvh), rays(batch), answers(to), stacks(1, in.bvh->stack_size()),
           walker(in, batch, stacks.stride), entries(in.bvh->stack_size() + Node::width)
     {
         for (State& s : states) s.stack = stacks.stack(0);
@@ -81,23 +81,12 @@ class PacketTracer
 
     using State = RayState<Node>;
 
-    // What is left to do of a ray that has left its packet.
-    struct Rest
-    {
-        static constexpr uint most = 14;
-        uint ray, count;
-        float best;
-        Hit hit;
-        ChildWord word[most]; // to visit, the nearest first
-        float enter[most];    // as in Entry
-    };
-
     const TraceInput<Node>& input;
     const WideBvh<Node>& bvh;
     const std::span<const Ray> rays;
-    const Finish& finish;
+    const std::span<Answer<query>> answers;
     Stacks stacks; // of a ray that goes its own way
-    const Walker<query, TriangleTest::watertight, Node> walker;
+    const Walker<query, Node> walker;
     std::vector<Entry> entries;
     Waiting waiting[no_kind];
     State states[packet_size];
@@ -113,11 +102,11 @@ class PacketTracer
     // Fewer than this go on alone: below an inner node, later and with many others in flight.
     static constexpr uint least_together = query == Query::any ? 12 : 8;
 
-    void trace_alone(std::size_t index)
+    HWY_NOINLINE void trace_alone(std::size_t index)
     {
         State& s = states[0];
         if (walker.start(s, index)) walk(walker, s);
-        finish(index, s.hit);
+        give(answers[index], s.hit);
     }
 
     // Puts off what is below a child for these lanes.
@@ -155,27 +144,9 @@ class PacketTracer
         return true;
     }
 
-    HWY_NOINLINE void trace_rests()
+    void trace_rests()
     {
-        const auto start = [&](const auto& w, State& s, std::size_t i) HWY_ATTR {
-            const Rest& rest = rests[i];
-            s.ray_index = rest.ray;
-            s.hit = rest.hit;
-            s.steps = 0;
-            s.stack_size = 0;
-            s.best = rest.best;
-            enter_space(s, rays[rest.ray], bvh.world, none);
-            w.push(s, word_done);
-            for (uint k = rest.count; k-- > 0;) {
-                s.stack[s.stack_size] = rest.word[k];
-                s.stack[s.stack_size + w.stride] = floatBitsToUint(rest.enter[k]);
-                ++s.stack_size;
-            }
-            s.current = s.stack[--s.stack_size];
-            return true;
-        };
-        trace_in_flight<query>(input, rays, rests.size(), Rest::most + 1, start,
-                               [&](const State& s) { finish(s.ray_index, s.hit); });
+        trace_in_flight<query>(input, rays, rests, answers);
         rests.clear();
     }
 
@@ -222,7 +193,7 @@ class PacketTracer
         }
         for (Lanes rest = all_lanes(p) & ~left; rest != 0; rest &= rest - 1) {
             const auto lane = static_cast<uint>(hwy::Num0BitsBelowLS1Bit_Nonzero64(rest));
-            finish(p.ray_index[lane], Hit{p.t[lane], p.u[lane], p.v[lane], p.primitive[lane], p.instance[lane]});
+            give(answers[p.ray_index[lane]], Hit{p.t[lane], p.u[lane], p.v[lane], p.primitive[lane], p.instance[lane]});
         }
         if (rests.size() >= 512) trace_rests();
     }
@@ -269,7 +240,7 @@ class PacketTracer
     {
         for (; lanes != 0; lanes &= lanes - 1)
             visit_alone(p, static_cast<uint>(hwy::Num0BitsBelowLS1Bit_Nonzero64(lanes)), tree, [&](State& s) HWY_ATTR {
-                s.stack_size = 0;
+                s.top = s.stack;
                 walker.push(s, word_done);
                 s.current = word;
                 walk(walker, s);
@@ -364,15 +335,13 @@ class PacketTracer
 template <class Node>
 void packets_closest(const TraceInput<Node>& input, std::span<const Ray> rays, std::span<Hit> hits)
 {
-    const auto finish = [&](std::size_t index, const Hit& hit) { hits[index] = hit; };
-    PacketTracer<Query::closest, Node, decltype(finish)>(input, rays, finish).trace_all();
+    PacketTracer<Query::closest, Node>(input, rays, hits).trace_all();
 }
 
 template <class Node>
-void packets_any(const TraceInput<Node>& input, std::span<const Ray> rays, std::span<std::uint8_t> blocked)
+void packets_any(const TraceInput<Node>& input, std::span<const Ray> rays, std::span<uint> blockers)
 {
-    const auto finish = [&](std::size_t index, const Hit& hit) { blocked[index] = is_hit(hit); };
-    PacketTracer<Query::any, Node, decltype(finish)>(input, rays, finish).trace_all();
+    PacketTracer<Query::any, Node>(input, rays, blockers).trace_all();
 }
 
 } // namespace HWY_NAMESPACE

@@ -265,8 +265,8 @@ HWY_INLINE uint children_in_bounds(const Node& node, uint order, const PacketBou
     for (std::size_t first = 0; first < Node::width; first += n) {
         auto enter = bounds.t_min, leave = bounds.farthest;
         for (int axis = 0; axis < 3; ++axis)
-            bounds.clip(axis, load_planes(d, node, b.row[axis], first), load_planes(d, node, b.row[axis] ^ 1u, first),
-                        enter, leave);
+            bounds.clip(axis, load_planes(d, node, Node::row_bytes * b.row[axis], first),
+                        load_planes(d, node, Node::row_bytes * (b.row[axis] ^ 1u), first), enter, leave);
         hn::Store(enter, d, enters + first);
         const auto met = hn::Le(enter, leave);
         if constexpr (n == Node::width) {

@@ -22,30 +22,38 @@ namespace snell {
 // is entered at about -infinity and left at +infinity; and no 0 * infinity, no NaN, ever comes up.
 inline constexpr float slack_by_reach = 10.0f * 0x1p-24f, slack_by_origin = 5.0f * 0x1p-24f;
 
-template <class Node>
-struct alignas(64) RayState
+// What follows from the ray and the tree alone.
+struct alignas(32) RaySetup
 {
     // What inner nodes need, in one cache line.
     float inverse[3];
     float enter_term[3], leave_term[3]; // origin * inverse, for the planes where the ray enters and leaves
     float t_min;
     float best;        // hits at t <= best are of interest: the float before t_max, then that of the nearest hit
-    uint enter_row[3]; // rows of planes where the ray enters boxes; those where it leaves: with the last bit turned
+    uint enter_row[3]; // bytes to the planes where the ray enters boxes; where it leaves: Node::row_bytes turned
     uint octant;       // bit i: the direction is negative on axis i
     ChildWord current; // what to visit next
 
-    // What leaves and everything else need.
-    ChildWord* stack;           // see Stacks
-    uint stack_size;            // entries in use
-    uint ray_index;             // in the batch
-    const Node* nodes;          // of the tree that is being traversed
-    const Line* lines;          // likewise
+    // What leaves need.
     float shear[3];             // sx, sy, sz of ShearedRay
     float shear_origin[3];      // the origin's components kx, ky, kz
     std::uint8_t shear_axes[4]; // kx, ky, kz
     uint instance;              // none: world space
+};
+static_assert(sizeof(RaySetup) == 96);
+
+template <class Node>
+struct alignas(64) RayState : RaySetup
+{
+    ChildWord* top;            // of the stack: behind the last entry
+    const std::byte* parts[2]; // of the tree that is being traversed: its lines and its nodes
+    ChildWord* stack;          // see Stacks
+
+    const Node* nodes() const { return reinterpret_cast<const Node*>(parts[1]); }
+    const Line* lines() const { return reinterpret_cast<const Line*>(parts[0]); }
 
     Hit hit;
+    uint ray_index; // in the batch
     uint steps;
     const WideTree<Node>* tree;
     Ray ray;   // in the space of the tree

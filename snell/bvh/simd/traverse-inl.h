@@ -7,8 +7,10 @@
 #endif
 
 #include "snell/bvh/simd/leaves-inl.h"
+#include "snell/bvh/simd/ray_setup-inl.h"
 
 #include <algorithm>
+#include <bit>
 #include <vector>
 
 HWY_BEFORE_NAMESPACE();
@@ -22,17 +24,45 @@ namespace hn = hwy::HWY_NAMESPACE;
 class Stacks
 {
   public:
-    Stacks(std::size_t rays, uint entries) : stride((entries + 2 * 16 + 15) / 16 * 16), memory(2 * rays * stride) {}
-    ChildWord* stack(std::size_t ray) { return memory.data() + 2 * ray * stride; }
+    Stacks(std::size_t rays, uint entries)
+        : stride((entries + 2 * 16 + 15) / 16 * 16), memory(rays * (2 * stride + line))
+    {
+    }
+    // A cache line apart from a multiple of the size: else they would compete for a few sets of the cache.
+    ChildWord* stack(std::size_t ray) { return memory.data() + ray * (2 * stride + line); }
 
     const std::size_t stride;
 
   private:
+    static constexpr std::size_t line = 16;
     std::vector<uint> memory;
 };
 
+// What a batch of rays is answered with: hits, or primitives that are in the way.
+template <Query query>
+using Answer = std::conditional_t<query == Query::any, uint, Hit>;
+HWY_INLINE void give(Hit& answer, const Hit& hit)
+{
+    answer = hit;
+}
+HWY_INLINE void give(uint& answer, const Hit& hit)
+{
+    answer = hit.primitive;
+}
+
+// What is left to do of a ray that has left its packet; all of it in the world's tree.
+struct Rest
+{
+    static constexpr uint most = 14;
+    uint ray, count;
+    float best; // as in RayState
+    Hit hit;
+    ChildWord word[most]; // to visit, the nearest first
+    float enter[most];    // no ray enters its box before this
+};
+
 // Everything a traversal needs to go on with one ray, apart from visiting inner nodes.
-template <Query query, TriangleTest test, class Node>
+template <Query query, class Node>
 class Walker
 {
   public:
@@ -53,7 +83,7 @@ class Walker
         s.ray_index = static_cast<uint>(index);
         s.hit = miss(ray.t_max);
         s.steps = 0;
-        s.stack_size = 0;
+        s.top = s.stack;
         if (!is_traceable(ray)) return false;
         s.best = float_before(ray.t_max);
         if (query == Query::next) s.after = after[index];
@@ -65,32 +95,70 @@ class Walker
         return true;
     }
 
+    // The same for a ray that is ready for the first tree.
+    HWY_INLINE bool start(State& s, std::size_t index, const RaySetup& setup, bool traceable) const
+    {
+        const Ray& ray = rays[index];
+        s.ray_index = static_cast<uint>(index);
+        s.hit = miss(ray.t_max);
+        if (!traceable) return false;
+        static_cast<RaySetup&>(s) = setup;
+        if (HWY_UNLIKELY(!input.scene->planes.empty())) meet_planes(s, ray);
+        if (first.root == word_done || (query == Query::any && is_hit(s.hit))) return false;
+        set_tree(s, ray, first);
+        s.top = s.stack;
+        push(s, word_done);
+        return true;
+    }
+
+    // For a ray that has begun in a packet.
+    HWY_INLINE void go_on(State& s, const Rest& rest, const RaySetup& setup) const
+    {
+        static_cast<RaySetup&>(s) = setup;
+        s.ray_index = rest.ray;
+        s.hit = rest.hit;
+        s.best = rest.best;
+        set_tree(s, rays[rest.ray], bvh.world);
+        s.top = s.stack;
+        push(s, word_done);
+        for (uint k = rest.count; k-- > 0;) {
+            *s.top = rest.word[k];
+            s.top[stride] = floatBitsToUint(rest.enter[k]);
+            ++s.top;
+        }
+        s.current = *--s.top;
+    }
+
     // Visits the leaf, instance or marker that is `current`. True if a hit was found or improved. What comes next is
     // on the stack.
     HWY_INLINE bool visit_leaf(State& s) const
     {
+        if (RefKind(s.current >> 30) != RefKind::triangle) return visit_other(s);
+        const TriangleBlock* block = &block_at(s.lines(), s.current & child_index_mask);
+        if (HWY_UNLIKELY(input.triangle_test != TriangleTest::watertight))
+            return visit_by_moller_trumbore<query>(block, s);
+        return visit_triangles<query, TriangleTest::watertight>(block, s);
+    }
+
+    // The same for all but triangles.
+    HWY_INLINE bool visit_other(State& s) const
+    {
         const uint index = s.current & child_index_mask;
-        switch (RefKind(s.current >> 30)) {
-        case RefKind::triangle:
-            return visit_triangles<query, test>(&block_at(s.lines, index), s);
-        case RefKind::sphere:
+        if (RefKind(s.current >> 30) == RefKind::sphere)
             return visit_spheres<query>(*input.scene, s.tree->spheres[index], s);
-        case RefKind::instance:
-            if (s.current == word_leave_instance)
-                enter_space(s, rays[s.ray_index], first, none);
-            else
-                enter_instance(s, index);
-            return false;
-        }
+        if (s.current == word_leave_instance)
+            enter_space(s, rays[s.ray_index], first, none);
+        else
+            enter_instance(s, index);
         return false;
     }
 
     // Markers stay on the stack whatever the nearest hit.
     HWY_INLINE void push(State& s, ChildWord word) const
     {
-        s.stack[s.stack_size] = word;
-        s.stack[s.stack_size + stride] = floatBitsToUint(-INFINITY);
-        ++s.stack_size;
+        *s.top = word;
+        s.top[stride] = floatBitsToUint(-INFINITY);
+        ++s.top;
     }
 
     const TraceInput<Node>& input;
@@ -130,14 +198,13 @@ class Walker
     }
 };
 
-// Traces one ray until its stack is empty. For any hit: until the first, whose primitive is then 0, whatever it was.
-template <Query query, TriangleTest test, class Node>
-HWY_INLINE void walk(const Walker<query, test, Node>& walker, RayState<Node>& s)
+// Traces one ray until its stack is empty. For any hit: until the first, of which the primitive alone is noted.
+template <Query query, class Node>
+HWY_NOINLINE void walk(const Walker<query, Node>& walker, RayState<Node>& s)
 {
     const std::size_t stride = walker.stride;
-    const Node* nodes = s.nodes;
-    ChildWord* const stack = s.stack;
-    uint size = s.stack_size;
+    const Node* nodes = s.nodes();
+    ChildWord* top = s.top;
     ChildWord current = s.current;
     SlabRay<Node> slab_ray = load_slab_ray(s);
     while (current != word_done) {
@@ -152,52 +219,40 @@ HWY_INLINE void walk(const Walker<query, test, Node>& walker, RayState<Node>& s)
                     current = node.child[hwy::Num0BitsBelowLS1Bit_Nonzero32(met)];
                     continue;
                 }
-                if (met != 0) size = push_children<query>(node, s, slab_ray, slabs, stride, size);
+                if (met != 0) top = push_children<query>(node, s, slab_ray, slabs, stride, top);
             } else {
-                size = push_children<query>(node, s, slab_ray, slabs, stride, size);
+                top = push_children<query>(node, s, slab_ray, slabs, stride, top);
             }
         } else {
             s.current = current;
-            s.stack_size = size;
+            s.top = top;
             const bool improved = walker.visit_leaf(s);
-            size = s.stack_size;
+            top = s.top;
             if (current >= make_child(uint(RefKind::instance), 0)) {
                 slab_ray = load_slab_ray(s);
-                nodes = s.nodes;
+                nodes = s.nodes();
             }
-            if (improved && query == Query::any) {
-                s.hit.primitive = 0;
-                return;
-            }
+            if (improved && query == Query::any) return;
         }
-        do --size;
-        while (query != Query::any && uintBitsToFloat(stack[stride + size]) > s.best);
-        current = stack[size];
+        do --top;
+        while (query != Query::any && uintBitsToFloat(top[stride]) > s.best);
+        current = *top;
     }
 }
 
-template <Query query, TriangleTest test, class Node, class Finish>
-HWY_INLINE void trace_one_by_one(const TraceInput<Node>& input, std::span<const Ray> rays, std::span<const Hit> after,
-                                 const Finish& finish)
+// finish(state) takes what was found.
+template <Query query, class Node, class Finish>
+HWY_INLINE void single(const TraceInput<Node>& input, std::span<const Ray> rays, const Finish& finish,
+                       std::span<const Hit> after = {})
 {
     Stacks stacks(1, input.bvh->stack_size());
-    const Walker<query, test, Node> walker(input, rays, stacks.stride, after);
+    const Walker<query, Node> walker(input, rays, stacks.stride, after);
     RayState<Node> s;
     s.stack = stacks.stack(0);
     for (std::size_t i = 0; i < rays.size(); ++i) {
         if (walker.start(s, i)) walk(walker, s);
         finish(s);
     }
-}
-
-template <Query query, class Node, class Finish>
-HWY_INLINE void single(const TraceInput<Node>& input, std::span<const Ray> rays, const Finish& finish,
-                       std::span<const Hit> after = {})
-{
-    if (input.triangle_test == TriangleTest::watertight)
-        trace_one_by_one<query, TriangleTest::watertight>(input, rays, after, finish);
-    else
-        trace_one_by_one<query, TriangleTest::moller_trumbore>(input, rays, after, finish);
 }
 
 template <class Node>
@@ -215,9 +270,9 @@ void single_next(const TraceInput<Node>& input, std::span<const Ray> rays, std::
 }
 
 template <class Node>
-void single_any(const TraceInput<Node>& input, std::span<const Ray> rays, std::span<std::uint8_t> blocked)
+void single_any(const TraceInput<Node>& input, std::span<const Ray> rays, std::span<uint> blockers)
 {
-    single<Query::any>(input, rays, [&](const RayState<Node>& s) { blocked[s.ray_index] = is_hit(s.hit); });
+    single<Query::any>(input, rays, [&](const RayState<Node>& s) { blockers[s.ray_index] = s.hit.primitive; });
 }
 
 template <class Node>
@@ -235,19 +290,23 @@ void single_counted(const TraceInput<Node>& input, std::span<const Ray> rays, st
 // independent rays; a ray changes lists without a branch. The list of inner nodes is a ring, for the end of a list is a
 // branch that nobody can predict. When few rays are left in it, the other lists are worked off, where rays also end and
 // new ones begin.
-// start(walker, state, number) begins with one of `count` rays, as Walker::start does, and may leave up to `pushed`
-// entries on its stack.
-template <Query query, class Node, class Start, class Finish>
-HWY_INLINE void trace_in_flight(const TraceInput<Node>& input, std::span<const Ray> rays, std::size_t count_of_rays,
-                                uint pushed, const Start& start, const Finish& finish)
+// Traces all rays, or if `rests` is not empty what is left of some of them.
+// Returns how many of them are done, from the first on: all, unless the first `probe` ones (0: do not look) have
+// visited few inner nodes each.
+template <Query query, class Node>
+HWY_NOINLINE std::size_t trace_in_flight(const TraceInput<Node>& input, std::span<const Ray> rays,
+                                         std::span<const Rest> rests, std::span<Answer<query>> answers,
+                                         std::size_t probe = 0)
 {
-    constexpr TriangleTest test = TriangleTest::watertight;
+    std::size_t count_of_rays = rests.empty() ? rays.size() : rests.size();
     constexpr std::size_t flight = 32;
     constexpr std::size_t enough = flight / 4; // rays at inner nodes that keep the processor busy
-    Stacks stacks(flight, input.bvh->stack_size() + pushed);
+    Stacks stacks(flight, input.bvh->stack_size() + (rests.empty() ? 0 : Rest::most + 1));
     const std::size_t stride = stacks.stride;
-    const Walker<query, test, Node> walker(input, rays, stride);
+    const bool prefetch = input.prefetch;
+    const Walker<query, Node> walker(input, rays, stride);
     RayState<Node> states[flight];
+    ReadyRays ready;
     for (std::size_t slot = 0; slot < flight; ++slot) states[slot].stack = stacks.stack(slot);
     std::uint8_t ring[flight], leaves[2 * flight], others[2 * flight];
     std::size_t ring_begin = 0, ring_end = 0, leaf_count = 0, other_count = 0, next_ray = 0;
@@ -262,40 +321,51 @@ HWY_INLINE void trace_in_flight(const TraceInput<Node>& input, std::span<const R
     // Inlined by force: GCC 12 takes a function that only prefetches for one without effects, and drops it.
     const auto fetch = [&](const RayState<Node>& s, ChildWord word) __attribute__((always_inline))
     {
-        if (!input.prefetch) return;
+        if (!prefetch) return;
         // A sphere block, an instance or a marker makes an address that is fetched in vain; that is harmless. Which of
         // the two it is nobody can predict, so there is no branch.
-        const auto node = reinterpret_cast<std::uintptr_t>(s.nodes + word);
-        const auto block = reinterpret_cast<std::uintptr_t>(s.lines + (word & child_index_mask));
-        const std::uintptr_t is_node = std::uintptr_t{0} - (word <= child_index_mask);
-        const char* lines = reinterpret_cast<const char*>(block ^ ((node ^ block) & is_node));
+        constexpr uint node_shift = std::countr_zero(sizeof(Node)), line_shift = std::countr_zero(sizeof(Line));
+        const uint is_node = word <= child_index_mask;
+        const std::byte* const lines = s.parts[is_node] + (static_cast<std::size_t>(word & child_index_mask)
+                                                           << (line_shift + (node_shift - line_shift) * is_node));
         constexpr int most = sizeof(Node) > 192 ? 4 : 3;
         for (int line = 0; line < most; ++line) __builtin_prefetch(lines + 64 * line);
     };
-    // Gives the slot to the next ray that has something to traverse.
-    const auto refill = [&](std::size_t slot) {
+    // Begins with the next ray that has something to traverse; false if there is none. The lists are no business of
+    // this function: it is not inlined, and what it refers to is kept in memory, not in registers.
+    const auto begin_next = [&](RayState<Node>& s, std::size_t visits) {
+        if (HWY_UNLIKELY(next_ray == probe) && visits <= few_visits * probe) count_of_rays = next_ray;
         while (next_ray < count_of_rays) {
-            if (start(walker, states[slot], next_ray++)) {
-                sort_in(slot, states[slot].current);
-                return;
+            const std::size_t i = next_ray++, lane = i % ReadyRays::size;
+            if (lane == 0)
+                ready.prepare<Node::row_bytes>(walker.first.box, walker.first.root,
+                                               [&](std::size_t ahead) HWY_ATTR -> const Ray& {
+                                                   const std::size_t at = std::min(i + ahead, count_of_rays - 1);
+                                                   return rays[rests.empty() ? at : rests[at].ray];
+                                               });
+            if (!rests.empty()) {
+                walker.go_on(s, rests[i], ready.setup[lane]);
+                return true;
             }
-            finish(states[slot]);
+            if (walker.start(s, i, ready.setup[lane], (ready.traceable >> lane & 1u) != 0)) return true;
+            give(answers[s.ray_index], s.hit);
         }
+        return false;
     };
 
-    for (std::size_t slot = 0; slot < flight; ++slot) refill(slot);
+    for (std::size_t slot = 0; slot < flight && begin_next(states[slot], none); ++slot)
+        sort_in(slot, states[slot].current);
     for (;;) {
         const std::size_t least = leaf_count + other_count > 0 ? enough : 0;
-        if (ring_begin == ring_end && leaf_count + other_count == 0) return;
+        if (ring_begin == ring_end && leaf_count + other_count == 0) return next_ray;
         while (ring_end - ring_begin > least) {
             const std::size_t slot = ring[ring_begin++ % flight];
             RayState<Node>& s = states[slot];
-            const Node& node = s.nodes[s.current];
+            const Node& node = s.nodes()[s.current];
             const SlabRay<Node> slab_ray = load_slab_ray(s);
             const Slabs<Node> slabs = test_slabs(node, slab_ray, s.best, 0);
-            const uint size = push_children<query>(node, s, slab_ray, slabs, stride, s.stack_size) - 1;
-            const ChildWord word = s.stack[size];
-            s.stack_size = size;
+            s.top = push_children<query>(node, s, slab_ray, slabs, stride, s.top) - 1;
+            const ChildWord word = *s.top;
             s.current = word;
             fetch(s, word);
             sort_in(slot, word);
@@ -307,75 +377,64 @@ HWY_INLINE void trace_in_flight(const TraceInput<Node>& input, std::span<const R
         for (std::size_t i = 0; i < count; ++i) {
             const std::size_t slot = todo[i];
             RayState<Node>& s = states[slot];
-            const TriangleBlock* block = &block_at(s.lines, s.current & child_index_mask);
+            const TriangleBlock* block = &block_at(s.lines(), s.current & child_index_mask);
             if (query == Query::any) {
                 // A ray that is blocked is done, and goes to those that are.
-                const uint found = 0u - static_cast<uint>(is_blocked(block, s));
-                s.hit.primitive &= ~found;
-                s.current = s.stack[--s.stack_size] | found;
+                const uint blocker = blocker_in(block, s);
+                s.hit.primitive = blocker;
+                s.current = *--s.top | (0u - static_cast<uint>(blocker != none));
                 fetch(s, s.current);
                 sort_in(slot, s.current);
                 continue;
             }
-            const bool improved = visit_triangles<query, test>(block, s);
+            const bool improved = visit_triangles<query, TriangleTest::watertight>(block, s);
             if (improved) drop_farther(s, stride);
-            s.current = s.stack[--s.stack_size];
+            s.current = *--s.top;
             fetch(s, s.current);
             sort_in(slot, s.current);
         }
-        count = other_count;
-        std::copy(others, others + flight, todo);
-        other_count = 0;
-        for (std::size_t i = 0; i < count; ++i) {
-            const std::size_t slot = todo[i];
-            RayState<Node>& s = states[slot];
-            if (s.current == word_done) {
-                finish(s);
-                refill(slot);
-                continue;
+        {
+            count = other_count;
+            std::copy(others, others + flight, todo);
+            other_count = 0;
+            for (std::size_t i = 0; i < count; ++i) {
+                const std::size_t slot = todo[i];
+                RayState<Node>& s = states[slot];
+                if (s.current == word_done) {
+                    give(answers[s.ray_index], s.hit);
+                    if (begin_next(s, ring_begin)) sort_in(slot, s.current);
+                    continue;
+                }
+                const bool improved = walker.visit_other(s);
+                if (improved && query == Query::any) {
+                    give(answers[s.ray_index], s.hit);
+                    if (begin_next(s, ring_begin)) sort_in(slot, s.current);
+                    continue;
+                }
+                if (improved) drop_farther(s, stride);
+                s.current = *--s.top;
+                fetch(s, s.current);
+                sort_in(slot, s.current);
             }
-            const bool improved = walker.visit_leaf(s);
-            if (improved && query == Query::any) {
-                s.hit.primitive = 0;
-                finish(s);
-                refill(slot);
-                continue;
-            }
-            if (improved) drop_farther(s, stride);
-            s.current = s.stack[--s.stack_size];
-            fetch(s, s.current);
-            sort_in(slot, s.current);
         }
     }
 }
 
-template <Query query, class Node, class Finish>
-HWY_INLINE void trace_in_flight(const TraceInput<Node>& input, std::span<const Ray> rays, const Finish& finish)
-{
-    const auto start = [](const Walker<query, TriangleTest::watertight, Node>& walker, RayState<Node>& s, std::size_t i)
-                           HWY_ATTR { return walker.start(s, i); };
-    trace_in_flight<query>(input, rays, rays.size(), 0, start, finish);
-}
-
-template <Query query, class Node, class Finish>
-HWY_INLINE void stream(const TraceInput<Node>& input, std::span<const Ray> rays, const Finish& finish)
+template <class Node>
+std::size_t stream_closest(const TraceInput<Node>& input, std::span<const Ray> rays, std::span<Hit> hits,
+                           std::size_t probe)
 {
     if (input.triangle_test == TriangleTest::watertight)
-        trace_in_flight<query>(input, rays, finish);
-    else
-        single<query>(input, rays, finish);
+        return trace_in_flight<Query::closest>(input, rays, {}, hits, probe);
+    single_closest(input, rays, hits);
+    return rays.size();
 }
 
 template <class Node>
-void stream_closest(const TraceInput<Node>& input, std::span<const Ray> rays, std::span<Hit> hits)
+void stream_any(const TraceInput<Node>& input, std::span<const Ray> rays, std::span<uint> blockers)
 {
-    stream<Query::closest>(input, rays, [&](const RayState<Node>& s) { hits[s.ray_index] = s.hit; });
-}
-
-template <class Node>
-void stream_any(const TraceInput<Node>& input, std::span<const Ray> rays, std::span<std::uint8_t> blocked)
-{
-    stream<Query::any>(input, rays, [&](const RayState<Node>& s) { blocked[s.ray_index] = is_hit(s.hit); });
+    if (input.triangle_test != TriangleTest::watertight) return single_any(input, rays, blockers);
+    trace_in_flight<Query::any>(input, rays, {}, blockers);
 }
 
 } // namespace HWY_NAMESPACE

@@ -15,13 +15,17 @@ struct TraceInput
     bool prefetch = false; // fetch nodes early; pays once the tree outgrows the second-level cache
 };
 
+// Measured: rays in a room that hit its walls, of 2 to 2.4 nodes each, are 30 to 40% faster in packets, those of 3.8
+// nodes equally fast, others slower.
+inline constexpr std::size_t few_visits = 3;
+
 // The traversals of one kind of node; all of them give the same answers.
 template <class Node>
 struct TraceKernels
 {
     using Input = const TraceInput<Node>&;
     using Closest = void (*)(Input, std::span<const Ray>, std::span<Hit>);
-    using Any = void (*)(Input, std::span<const Ray>, std::span<std::uint8_t>);
+    using Any = void (*)(Input, std::span<const Ray>, std::span<uint> blockers); // as Accel::find_blockers
 
     // One ray after the other.
     Closest single;
@@ -30,7 +34,9 @@ struct TraceKernels
     void (*next)(Input, std::span<const Ray>, std::span<const Hit> after, std::span<Hit>);
     void (*counted)(Input, std::span<const Ray>, std::span<Hit>, std::span<uint> steps);
     // Several rays in flight: while one waits for memory, others go on. For batches. Watertight; else one by one.
-    Closest stream;
+    // Returns how many rays are done, from the first on: all, unless the first `probe` (0: do not look) have visited no
+    // more than few_visits inner nodes each; then `packets` is faster for the rest, whichever way they go.
+    std::size_t (*stream)(Input, std::span<const Ray>, std::span<Hit>, std::size_t probe);
     Any stream_any;
     // Up to 64 rays together. For batches whose neighbours go much the same way. Watertight only.
     Closest packets;
