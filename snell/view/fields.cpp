@@ -50,7 +50,8 @@ void Fields::light(const char* label, vec3& value, const char* help)
     const std::string strength_label = fmt::format("{}, strength", label);
     if (view::color(label, hue, help)) {
         if (!(strength > 0.0f)) strength = 1.0f; // a colour was chosen for what is dark
-        value = hue * strength;
+        // The colour alone: how bright it is in the picker would else darken it with each frame of a drag.
+        value = max3(hue) > 0.0f ? hue * (strength / max3(hue)) : vec3(0.0f);
         touch(label);
     }
     const std::string strength_help = fmt::format("{} The largest of the three numbers.", help);

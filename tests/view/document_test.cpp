@@ -226,6 +226,7 @@ TEST_F(DocumentTest, AClickSelects)
     };
     select(16, 18); // the floor, or what stands on it
     EXPECT_EQ(document.selection.kind, Selection::Kind::material);
+    EXPECT_EQ(document.hit_instance.kind, Selection::Kind::instance);
     select(1, 1); // the sky
     EXPECT_EQ(document.selection.kind, Selection::Kind::nothing);
 }

@@ -60,6 +60,7 @@ std::optional<TransformParts> take_apart(const Transform& m)
     } else { // x and z turn around the same axis
         parts.degrees.x = to_degrees(std::atan2(-columns[2].y, columns[1].y));
     }
+    parts.degrees += vec3(0.0f); // a -0 looks odd
     return parts;
 }
 
