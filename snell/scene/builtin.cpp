@@ -40,6 +40,7 @@ std::span<const BuiltinScene> builtin_scenes()
         {"menger", "a Menger sponge of 8,000 cubes (depth 3) with a lamp in its middle", default_menger, make_menger,
          "DEPTH", 0, menger_deepest},
         {"veach-mis", "four plates of growing roughness and lamps of growing size: what MIS is for", make_veach_mis},
+        {"grid", "a checkered room with rulers, to look through lenses at", make_grid},
         {"many-lights", "a city of boxes lit by 400 coloured lamps", default_many_lights, make_many_lights, "COUNT", 1,
          many_lights_most},
         {"field", "boulders on rough ground in a closed hall, 20,000 triangles", default_field, make_field, "TRIANGLES",

@@ -1,8 +1,10 @@
 #include "tests/gpu/twin_scene.h"
 
+#include "snell/core/error.h"
 #include "snell/kernel/albedo.h"
 #include "snell/kernel/ray.h"
 #include "snell/scene/albedo_tables.h"
+#include "snell/scene/lens.h"
 
 #include <cmath>
 #include <random>
@@ -235,6 +237,11 @@ SceneWords random_scene()
         }
         surfaces.push_back(s);
     }
+    SNELL_CHECK_EQ(colors.size(), std::size_t{scene_lens_first});
+    const FocusedLens lens = focus_lens(*find_lens("double-gauss"), 2000.0, 43.2);
+    SNELL_CHECK_EQ(lens.table.size(), std::size_t{scene_lens_interfaces + scene_lens_pupils});
+    colors.insert(colors.end(), lens.table.begin(), lens.table.end());
+    colors.emplace_back(lens.system.rear_z, lens.system.entrance_z, lens.system.gain, lens.system.film_radius);
     scene.set(&SceneView::positions, positions);
     scene.set(&SceneView::normals, normals);
     scene.set(&SceneView::uvs, uvs);

@@ -14,7 +14,7 @@ namespace {
 
 TEST(Builtin, AllAreValidAndComplete)
 {
-    EXPECT_EQ(builtin_scenes().size(), 8u);
+    EXPECT_EQ(builtin_scenes().size(), 9u);
     for (const BuiltinScene& builtin : builtin_scenes()) {
         SCOPED_TRACE(builtin.name);
         EXPECT_FALSE(builtin.summary.empty());

@@ -11,6 +11,7 @@ Scene make_cornell();
 Scene make_whitted();
 Scene make_spheres();
 Scene make_veach_mis();
+Scene make_grid();
 
 // Short forms for materials.
 inline MaterialDesc diffuse(std::string name, vec3 color)

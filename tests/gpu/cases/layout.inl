@@ -1,6 +1,7 @@
 // Byte for byte the same structs: every member of an element of an array in memory, where each word is another number.
 // Here `scene` is pattern_scene(); RAW(Array) are 65536 such words seen as an array.
 #ifndef TWIN_CASES
+#include "snell/kernel/lens_system.h"
 #include "snell/kernel/scene_view.h"
 #include "tests/gpu/draw.h"
 SNELL_BEGIN
@@ -9,6 +10,7 @@ SNELL_ARRAY(TwinHits, Hit)
 SNELL_ARRAY(TwinTransforms, Transform)
 SNELL_ARRAY(TwinKeys, SampleKey)
 SNELL_ARRAY(TwinCameras, Camera)
+SNELL_ARRAY(TwinLenses, LensSystem)
 SNELL_ARRAY(TwinParams, RenderParams)
 SNELL_ARRAY(TwinStates, PathState)
 SNELL_ARRAY(TwinConnections, Connection)
@@ -210,6 +212,19 @@ TWIN(layout_ray_and_hit, 0.0f, 0.0f, 0.0f)
     uint i = index_below(8000u);
     give(RAW(TwinRays).at[i]);
     give(RAW(TwinHits).at[i]);
+}
+TWIN(layout_lens_system, 0.0f, 0.0f, 0.0f) // the address at its beginning is read by the cases of lens_system.inl
+{
+    uint i = index_below(1000u);
+    LensSystem lens = RAW(TwinLenses).at[i];
+    give(lens.first);
+    give(lens.interface_count);
+    give(lens.pupil_count);
+    give(lens.film_radius);
+    give(lens.rear_z);
+    give(lens.entrance_z);
+    give(lens.gain);
+    give(lens.unit);
 }
 TWIN(layout_camera, 0.0f, 0.0f, 0.0f)
 {
