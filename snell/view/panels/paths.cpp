@@ -232,7 +232,7 @@ class PathsPanel : public Panel
                     if (!is_seen && !shows_hidden_) continue;
                     const float a = static_cast<float>(i) / pieces, b = static_cast<float>(i + 1) / pieces;
                     overlay.line(from + (to - from) * a, from + (to - from) * b,
-                                 overlay_color(color, is_seen ? 1.0f : 0.22f), is_selected ? thick : thin);
+                                 overlay_color(color, is_seen ? 1.0f : 0.35f), is_selected ? thick : thin);
                 }
                 if (v.is_surface) overlay.dot_at(to, is_selected ? 2.0f * thick : thick, overlay_color(color));
                 if (is_selected) draw_lights(overlay, v, found->radius, thin);

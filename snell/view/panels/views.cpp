@@ -15,7 +15,7 @@ namespace {
 class ViewsPanel : public Panel
 {
   public:
-    const char* name() const override { return "Views"; }
+    const char* name() const override { return "Data views"; }
     const char* help() const override
     {
         return "Debug views: normals, texture coordinates, depth, ids, traversal steps; sample count, error and time "
