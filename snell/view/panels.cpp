@@ -13,6 +13,9 @@ std::unique_ptr<Panel> make_views_panel();
 std::unique_ptr<Panel> make_probe_panel();
 std::unique_ptr<Panel> make_paths_panel();
 std::unique_ptr<Panel> make_bvh_panel();
+std::unique_ptr<Panel> make_compare_panel();
+std::unique_ptr<Panel> make_numbers_panel();
+std::unique_ptr<Panel> make_convergence_panel();
 std::unique_ptr<Panel> make_messages_panel();
 std::unique_ptr<Panel> make_help_panel();
 
@@ -28,6 +31,9 @@ std::vector<std::unique_ptr<Panel>> make_panels()
     panels.push_back(make_probe_panel());
     panels.push_back(make_paths_panel());
     panels.push_back(make_bvh_panel());
+    panels.push_back(make_compare_panel());
+    panels.push_back(make_numbers_panel());
+    panels.push_back(make_convergence_panel());
     panels.push_back(make_messages_panel());
     panels.push_back(make_help_panel());
     return panels;
