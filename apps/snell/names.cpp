@@ -19,11 +19,15 @@ const std::vector<Named>& samplers()
 
 const std::vector<Named>& tone_curves()
 {
-    static_assert(tone_none == 0 && tone_reinhard == 1 && tone_aces == 2);
+    static_assert(tone_none == 0 && tone_reinhard == 1 && tone_aces == 2 && tone_aces_hill == 3 && tone_agx == 4 &&
+                  tone_neutral == 5 && tone_count == 6);
     static const std::vector<Named> all = {
         {"none", "clip what is brighter than white"},
         {"reinhard", "x / (1 + x) on luminance"},
-        {"aces", "Narkowicz's fit of the ACES curve"},
+        {"aces-narkowicz", "Narkowicz's fit of the ACES curve; also called aces"},
+        {"aces-hill", "Hill's fit of the ACES transforms: bright colours lose saturation"},
+        {"agx", "Sobotka's AgX: a wide range, soft into white"},
+        {"neutral", "Khronos PBR Neutral: colours below 0.8 stay as they are"},
     };
     return all;
 }
@@ -72,6 +76,7 @@ std::vector<std::string> parameter_names(std::string_view integrator)
 uint find_tone_curve(const std::string& name)
 {
     const std::vector<std::string> names = names_of(tone_curves());
+    if (name == "aces") return tone_aces; // before there were two of them
     check_name("tone curve", name, names);
     uint curve = 0;
     while (names[curve] != name) ++curve;

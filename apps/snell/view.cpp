@@ -87,6 +87,14 @@ static void add_window_options(Options& options, ViewJob& job)
                       window.script = text;
                       window.keeps_recent = false;
                   });
+    options.value("--record", "PATTERN", "Fly along --path, write pictures such as walk.%04d.png, and end",
+                  [&](const std::string& text) { window.record = text; });
+    options.value("--path", "FILE",
+                  "Views for --record, one a line as the key C copies them; a spline goes through them",
+                  [&](const std::string& text) { window.path = text; });
+    options.value("--record-frames", "N", "Number of pictures of --record [100]", [&](const std::string& text) {
+        window.record_frames = static_cast<uint>(parse_integer("--record-frames", text, 1, 1'000'000));
+    });
     options.value("--timings", "FILE", "Write latencies and frame times there as JSON when the window closes",
                   [&](const std::string& text) { window.timings = text; });
 }
@@ -138,6 +146,7 @@ int run_view(const Arguments& arguments)
 {
     ViewJob job;
     job.options.settings.spp = 1024;
+    job.options.record_frames = 100;
     Options options("view", "Opens a window, to walk through a scene, change it and look inside.", examples);
     options.positional(
         "SCENE", std::string(scene_help) + "; without one the window offers some",
@@ -150,6 +159,15 @@ int run_view(const Arguments& arguments)
     if (const auto code = options.parse(arguments)) return *code;
 
     check_names(job.options.settings);
+    if (job.options.record.empty() != job.options.path.empty())
+        throw UsageError("--record and --path belong together; give both");
+    if (!job.options.script.empty()) {
+        try {
+            view::check_script(job.options.script);
+        } catch (const Error& error) {
+            throw UsageError(error.what());
+        }
+    }
     set_thread_count(job.options.settings.threads);
     job.options.settings.threads = 0;
     job.options.scene = job.scene.name;

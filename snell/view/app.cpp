@@ -5,7 +5,9 @@
 #include "snell/core/error.h"
 #include "snell/kernel/camera.h"
 #include "snell/render/params.h"
+#include "snell/view/camera_text.h"
 #include "snell/view/navigation.h"
+#include "snell/view/record.h"
 #include "snell/view/script.h"
 #include "snell/view/widgets.h"
 
@@ -14,6 +16,7 @@
 #include <imgui_internal.h>
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
@@ -59,6 +62,8 @@ App::App(const ViewOptions& options)
     }
     if (options_.keeps_recent) load_recent();
     if (!options_.script.empty()) script_ = std::make_unique<Script>(options_.script);
+    if (!options_.record.empty())
+        recorder_ = std::make_unique<Recorder>(options_.record, read_views(options_.path), options_.record_frames);
     session_->set_governor(state_.governor);
     sent_governor_ = state_.governor;
     if (!options_.scene.empty()) open(options_.scene);
@@ -75,6 +80,7 @@ Panel* App::find_panel(const std::string& name)
 
 void App::quit(int code)
 {
+    if (is_held_open_) return;
     is_done_ = true;
     code_ = code;
 }
@@ -87,10 +93,11 @@ int App::run()
         const double now = seconds_now();
         state_.time = std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
         handle_events();
+        state_.status = session_->status();
         if (script_ != nullptr) script_->step(*this);
+        if (recorder_ != nullptr && recorder_->step(*this)) quit(0);
         move_by_keys(std::min(now - last, 0.1)); // after a long frame one does not want to be somewhere else
         last = now;
-        state_.status = session_->status();
         follow_opening();
         watch_file();
         for (const auto& panel : panels_) panel->update(state_);
@@ -102,13 +109,15 @@ int App::run()
     // The window goes at once. What renders, loads or builds is told to stop; should it not within half a second, there
     // is nothing left to save, and the program ends without it.
     window_.hide();
-    const int code = code_;
-    std::thread([code] {
+    const auto has_ended = std::make_shared<std::atomic<bool>>(false);
+    std::thread([code = code_, has_ended] {
         std::this_thread::sleep_for(std::chrono::milliseconds(500));
+        if (*has_ended) return;
         std::fflush(nullptr);
         std::_Exit(code);
     }).detach();
     session_.reset();
+    *has_ended = true;
     return code_;
 }
 
@@ -367,7 +376,9 @@ void App::act(KeyPress press)
 
 bool App::is_settled() const
 {
-    return awaited_.empty() && !camera_to_send_;
+    const RenderSettings& settings = state_.panes[0].request.settings;
+    return awaited_.empty() && !camera_to_send_ && settings.width == sized_w_ && settings.height == sized_h_ &&
+           sent_panes_.size() == state_.panes.size() && sent_panes_[0] == state_.panes[0].request;
 }
 
 void App::send_requests()
@@ -399,6 +410,10 @@ void App::send_requests()
 
 void App::take_shots()
 {
+    // What was asked of a session that has failed, or of a scene that has gone, is not answered any more.
+    constexpr double patience = 10.0;
+    while (!awaited_.empty() && seconds_now() - awaited_.front().when > patience) awaited_.pop_front();
+
     for (std::size_t i = 0; i < state_.panes.size(); ++i) {
         Pane& pane = state_.panes[i];
         ShotPtr shot = pane.instead != nullptr ? pane.instead : session_->shot(i);

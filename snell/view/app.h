@@ -14,6 +14,7 @@
 
 namespace snell::view {
 
+class Recorder;
 class Script;
 
 class App
@@ -35,6 +36,9 @@ class App
     void save_screenshot(const std::filesystem::path& file); // .png or .exr, of the active pane
     std::uint64_t frames() const { return frames_; }
     bool is_settled() const; // the picture that is shown answers all input
+    bool is_opening() const { return !opening_.empty(); }
+    // Nothing but a script's end closes the window: for random input.
+    void hold_open(bool is_held) { is_held_open_ = is_held; }
     void quit(int code);
     void set_size(int width, int height) { window_.set_size(width, height); }
 
@@ -124,6 +128,7 @@ class App
     std::vector<SDL_Event> waiting_; // for the next frame
     std::uint64_t frames_at_events_ = 0;
     std::unique_ptr<Script> script_;
+    std::unique_ptr<Recorder> recorder_; // of --record: the viewer ends with it
 
     std::vector<PaneRequest> sent_panes_;
     GovernorSettings sent_governor_;
@@ -153,7 +158,7 @@ class App
     bool shows_column_ = true, asks_to_quit_ = false, opens_file_dialog_ = false, asks_undo_ = false;
     float column_width_ = 0;
     std::string typed_file_;
-    bool is_done_ = false;
+    bool is_done_ = false, is_held_open_ = false;
     bool is_dragging_divider_ = false;
     int code_ = 0;
 };

@@ -173,6 +173,12 @@ void App::draw_failure(float x, float y, float w, float h)
     ImGui::End();
 }
 
+// The key that has opened a dialog is not meant for it.
+static bool is_typed(ImGuiKey key)
+{
+    return !ImGui::IsWindowAppearing() && ImGui::IsKeyPressed(ImGui::GetKeyIndex(key), false);
+}
+
 void App::draw_dialogs()
 {
     const ImVec2 size = ImGui::GetIO().DisplaySize;
@@ -187,10 +193,9 @@ void App::draw_dialogs()
         if (state_.document.is_dirty()) warning("The scene was changed since it was read or saved.");
         ImGui::Spacing();
         if (ImGui::IsWindowAppearing()) ImGui::SetKeyboardFocusHere();
-        if (button("Quit", "Enter") || ImGui::IsKeyPressed(ImGui::GetKeyIndex(ImGuiKey_Enter), false)) quit(0);
+        if (button("Quit", "Enter") || is_typed(ImGuiKey_Enter)) quit(0);
         ImGui::SameLine();
-        if (button("Stay", "Esc") || ImGui::IsKeyPressed(ImGui::GetKeyIndex(ImGuiKey_Escape), false))
-            ImGui::CloseCurrentPopup();
+        if (button("Stay", "Esc") || is_typed(ImGuiKey_Escape)) ImGui::CloseCurrentPopup();
         ImGui::EndPopup();
     }
 
@@ -213,8 +218,7 @@ void App::draw_dialogs()
             ImGui::CloseCurrentPopup();
         }
         ImGui::SameLine();
-        if (button("Cancel", "Esc") || ImGui::IsKeyPressed(ImGui::GetKeyIndex(ImGuiKey_Escape), false))
-            ImGui::CloseCurrentPopup();
+        if (button("Cancel", "Esc") || is_typed(ImGuiKey_Escape)) ImGui::CloseCurrentPopup();
         ImGui::EndPopup();
     }
 }

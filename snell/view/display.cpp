@@ -55,6 +55,64 @@ static std::uint32_t pack(const SrgbTable& table, vec3 linear)
     return table(linear.x) | table(linear.y) << 8 | table(linear.z) << 16 | 0xff000000u;
 }
 
+namespace {
+// AgX by tables: powers and logarithms for each pixel would take ten times as long.
+class AgxTables
+{
+  public:
+    AgxTables()
+    {
+        for (std::size_t i = 0; i < curve_.size(); ++i) {
+            const float x = std::bit_cast<float>(first + (static_cast<std::uint32_t>(i) << shift));
+            curve_[i] = agx_sigmoid(clamp((std::log2(x) + 12.47393f) / 16.5f, 0.0f, 1.0f));
+        }
+        for (std::size_t i = 0; i < bytes_.size(); ++i) {
+            const float y = (static_cast<float>(i) + 0.5f) / static_cast<float>(bytes_.size());
+            bytes_[i] = static_cast<std::uint8_t>(std::lround(255.0f * srgb_encode(std::pow(y, 2.2f))));
+        }
+    }
+
+    // The same matrices as tone_curve_agx().
+    std::uint32_t operator()(vec3 c) const
+    {
+        const float x = curve(0.842479062f * c.x + 0.0784336f * c.y + 0.0792237451f * c.z);
+        const float y = curve(0.0423282422f * c.x + 0.878468637f * c.y + 0.0791661275f * c.z);
+        const float z = curve(0.0423756549f * c.x + 0.0784336f * c.y + 0.879142974f * c.z);
+        return byte(1.196879f * x - 0.0980208811f * y - 0.0990297441f * z) |
+               byte(-0.0528968518f * x + 1.15190313f * y - 0.0989611768f * z) << 8 |
+               byte(-0.0529716355f * x - 0.0980434501f * y + 1.15107367f * z) << 16 | 0xff000000u;
+    }
+
+  private:
+    float curve(float x) const
+    {
+        if (!(x > smallest)) return curve_[0];
+        if (x >= largest) return 1.0f;
+        const std::uint32_t bits = std::bit_cast<std::uint32_t>(x) - first;
+        const float u = static_cast<float>(bits & ((1u << shift) - 1)) * (1.0f / (1u << shift));
+        const std::size_t at = bits >> shift;
+        return curve_[at] + u * (curve_[at + 1] - curve_[at]);
+    }
+    std::uint32_t byte(float y) const
+    {
+        const float at = clamp(y, 0.0f, 1.0f) * static_cast<float>(bytes_.size());
+        return bytes_[std::min(static_cast<std::size_t>(at), bytes_.size() - 1)];
+    }
+
+    static constexpr int shift = 15; // 256 pieces an octave
+    static constexpr float smallest = 1.0f / 8192.0f, largest = 32.0f;
+    static constexpr std::uint32_t first = std::bit_cast<std::uint32_t>(smallest);
+    std::array<float, ((std::bit_cast<std::uint32_t>(largest) - first) >> shift) + 1> curve_{};
+    std::array<std::uint8_t, 8192> bytes_{};
+};
+} // namespace
+
+static const AgxTables& agx_tables()
+{
+    static const AgxTables tables;
+    return tables;
+}
+
 // Calls with(f), where f is the curve without a test of which one it is.
 template <class With>
 static void with_curve(uint curve, const With& with)
@@ -64,10 +122,12 @@ static void with_curve(uint curve, const With& with)
         return with([](vec3 c) { return tone_curve(c, tone_reinhard); });
     case tone_aces:
         return with([](vec3 c) { return tone_curve(c, tone_aces); });
-    case tone_none:
-        return with([](vec3 c) { return c; });
+    case tone_aces_hill:
+        return with([](vec3 c) { return tone_curve_aces_hill(c); });
+    case tone_neutral:
+        return with([](vec3 c) { return tone_curve_neutral(c); });
     default:
-        return with([curve](vec3 c) { return tone_curve(c, curve); });
+        return with([](vec3 c) { return c; });
     }
 }
 
@@ -75,6 +135,11 @@ void to_screen(const vec3* radiance, std::size_t count, const DisplaySettings& s
 {
     const SrgbTable& table = srgb_table();
     const float scale = std::exp2(settings.exposure_ev);
+    if (settings.curve == tone_agx) {
+        const AgxTables& agx = agx_tables();
+        for (std::size_t i = 0; i < count; ++i) to[i] = agx(scale * max(radiance[i], vec3(0.0f)));
+        return;
+    }
     with_curve(settings.curve, [&](auto&& curve) {
         for (std::size_t i = 0; i < count; ++i) to[i] = pack(table, curve(scale * max(radiance[i], vec3(0.0f))));
     });

@@ -58,7 +58,7 @@ struct ViewState
     // The scene without what is heavy: the same indices, but no vertices, triangles or texels. Kept equal to the
     // session's scene by making every edit in both (see apply() of snell/view/document.h).
     Scene outline;
-    Document document; // edits it, and the session's scene with it
+    Document document;           // edits it, and the session's scene with it
     std::vector<Note> notes;     // what loading and repairing the scene had to say
     std::uint64_t opened = 0;    // SessionStatus::opened that the outline is of; 0: none yet
     Bounds bounds;               // of the scene

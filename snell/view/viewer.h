@@ -30,6 +30,9 @@ struct ViewOptions
     std::filesystem::path timings; // JSON of latencies and frame times, written when the window closes; empty: none
 };
 
+// Throws Error, with file and line, if the script cannot be read or makes no sense.
+void check_script(const std::filesystem::path& file);
+
 // Returns the program's exit code when the window is closed. Throws Error if no window can be opened.
 int run_viewer(const ViewOptions& options);
 

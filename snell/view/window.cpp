@@ -205,8 +205,16 @@ void Window::end_frame()
     glClearColor(ground, ground, ground, 1.0f);
     glClear(GL_COLOR_BUFFER_BIT);
     ImGui_ImplOpenGL3_RenderDrawData(ImGui::GetDrawData());
-    if (!shoot_.empty()) {
+    if (!looks_.empty()) {
         const ScreenPicture screen = read_back();
+        for (const auto& look : std::exchange(looks_, {})) look(screen);
+    }
+    SDL_GL_SwapWindow(window_);
+}
+
+void Window::shoot(std::filesystem::path file)
+{
+    inspect([file = std::move(file)](const ScreenPicture& screen) {
         Picture picture;
         picture.width = screen.width, picture.height = screen.height;
         picture.pixels.reserve(screen.texels.size());
@@ -216,10 +224,8 @@ void Window::end_frame()
             };
             picture.pixels.emplace_back(channel(0), channel(8), channel(16));
         }
-        const std::filesystem::path file = std::exchange(shoot_, {});
         write_picture(file, picture);
-    }
-    SDL_GL_SwapWindow(window_);
+    });
 }
 
 ScreenPicture Window::read_back() const

@@ -4,7 +4,9 @@
 #include "snell/view/display.h"
 
 #include <filesystem>
+#include <functional>
 #include <string>
+#include <vector>
 
 struct SDL_Window;
 union SDL_Event;
@@ -51,19 +53,20 @@ class Window
     void begin_frame(const Pointer& pointer);
     // Draws what ImGui has, and shows it.
     void end_frame();
-    // What the window shows, controls included; between begin_frame() and end_frame() it is the frame before.
-    ScreenPicture read_back() const;
     // The next end_frame() writes what it has drawn there, as PNG.
-    void shoot(std::filesystem::path file) { shoot_ = std::move(file); }
+    void shoot(std::filesystem::path file);
+    // The next end_frame() shows it what was drawn.
+    void inspect(std::function<void(const ScreenPicture&)> look) { looks_.push_back(std::move(look)); }
 
   private:
     void apply_style();
+    ScreenPicture read_back() const;
 
     SDL_Window* window_ = nullptr;
     void* context_ = nullptr;
     float ui_scale_ = 1.0f;
     bool is_light_ = false;
-    std::filesystem::path shoot_;
+    std::vector<std::function<void(const ScreenPicture&)>> looks_;
 };
 
 // A picture on the GPU.
