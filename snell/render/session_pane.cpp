@@ -258,7 +258,8 @@ Region SessionPane::next_chunk(double seconds)
     const int size = tile_size(), columns = tiles(r.x1 - r.x0), rows = tiles(r.y1 - r.y0);
     const double tile_seconds = sample_seconds_ * size * size * pass_samples();
     const double wanted = tile_seconds > 0 ? seconds / tile_seconds : 1.0;
-    const int count = static_cast<int>(std::clamp<double>(wanted, thread_count(), double(columns) * rows));
+    const double all = static_cast<double>(columns) * rows;
+    const int count = static_cast<int>(std::clamp(wanted, std::min<double>(thread_count(), all), all));
     const int column = next_tile_ % columns, row = next_tile_ / columns;
     const int in_row = count >= columns ? columns : std::min(count, columns - column);
     const int down = column == 0 && in_row == columns ? std::min(count / columns, rows - row) : 1;

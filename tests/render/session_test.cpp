@@ -543,7 +543,7 @@ TEST(SessionTime, ATreeThatIsBeingBuiltIsGivenUp)
 TEST(SessionTime, PausedMeansNoMoreSamples)
 {
     Session session;
-    session.set_panes({endless});
+    session.set_panes({pane_of("path", 160, 90, 1'000'000)});
     open(session);
     ASSERT_TRUE(wait_until([&] { return session.shot(0) && session.shot(0)->spp > 0; }));
     session.set_paused(true);
