@@ -147,6 +147,7 @@ class App
     std::uint64_t opening_number_ = 0;
     std::uint64_t asked_outline_ = 0;
     bool keeps_camera_ = false; // the scene that is being opened is the old one, read again
+    std::string failed_; // name of what could not be opened, last
     std::string dismissed_failure_;
     std::filesystem::file_time_type file_time_{};
     double watched_at_ = 0;

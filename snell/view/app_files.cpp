@@ -18,6 +18,7 @@
 #include <cstdlib>
 #include <ctime>
 #include <set>
+#include <utility>
 
 namespace snell::view {
 
@@ -40,6 +41,7 @@ void App::open(const std::string& name, bool keeps_camera)
         name, [load = options_.load, name](const LoadProgressCallback& progress) { return load(name, progress); });
     file_time_ = time_of(name);
     dismissed_failure_.clear();
+    failed_.clear();
     state_.status = session_->status();
     state_.wake();
 }
@@ -61,6 +63,7 @@ void App::follow_opening()
         });
     }
 
+    if (status.phase == Phase::failed && !opening_.empty()) failed_ = std::exchange(opening_, {});
     std::optional<Scene> slim;
     {
         const std::lock_guard lock(arrived_->mutex);

@@ -161,11 +161,11 @@ void App::draw_loading(float x, float y, float w, float h)
 void App::draw_failure(float x, float y, float w, float h)
 {
     begin_notice("##failure", x, y, w, h, 560.0f * state_.ui_scale);
-    ImGui::Text("Cannot show %s", state_.status.name.empty() ? "the scene" : state_.status.name.c_str());
+    ImGui::Text("Cannot show %s", failed_.empty() ? "the scene" : failed_.c_str());
     ImGui::Separator();
     warning(state_.status.what);
     ImGui::Spacing();
-    if (button("Try again", "Open the same scene once more")) open(opening_.empty() ? state_.status.name : opening_);
+    if (button("Try again", "Open the same scene once more")) open(failed_.empty() ? state_.file : failed_);
     ImGui::SameLine();
     if (button("Open another...", "Choose another file")) opens_file_dialog_ = true;
     ImGui::SameLine();
