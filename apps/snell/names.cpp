@@ -75,9 +75,10 @@ std::vector<std::string> parameter_names(std::string_view integrator)
 
 uint find_tone_curve(const std::string& name)
 {
-    const std::vector<std::string> names = names_of(tone_curves());
-    if (name == "aces") return tone_aces; // before there were two of them
+    std::vector<std::string> names = names_of(tone_curves());
+    names.emplace_back("aces"); // the first of the two, from when there was one
     check_name("tone curve", name, names);
+    if (name == names.back()) return tone_aces;
     uint curve = 0;
     while (names[curve] != name) ++curve;
     return curve;

@@ -56,7 +56,7 @@ static void add_picture_options(Options& options, RenderJob& job)
     options.value("--exposure", "EV", "For PNG: exposure, a factor of 2 each [0]", [&](const std::string& text) {
         job.display.exposure_ev = static_cast<float>(parse_number("--exposure", text, -100.0, 100.0));
     });
-    options.value("--tone", "CURVE", "For PNG: none, reinhard or aces [none]",
+    options.value("--tone", "CURVE", "For PNG: how light becomes display values; `snell list` names the curves [none]",
                   [&](const std::string& text) { job.display.curve = find_tone_curve(text); });
     options.flag("--layers", "Also record albedo, normals, depth, ... [if there is an .exr to write]",
                  [&] { asked.layers = true; });

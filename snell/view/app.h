@@ -147,9 +147,9 @@ class App
     std::uint64_t opening_number_ = 0;
     std::uint64_t asked_outline_ = 0;
     bool keeps_camera_ = false; // the scene that is being opened is the old one, read again
-    std::string failed_; // name of what could not be opened, last
+    std::string failed_;        // name of what could not be opened, last
     std::string dismissed_failure_;
-    std::filesystem::file_time_type file_time_{};
+    std::filesystem::file_time_type file_time_{}, opening_time_{}; // of what is shown; of what is being opened
     double watched_at_ = 0;
 
     std::deque<Message> messages_;

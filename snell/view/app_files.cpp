@@ -39,7 +39,7 @@ void App::open(const std::string& name, bool keeps_camera)
     keeps_camera_ = keeps_camera;
     opening_number_ = session_->open(
         name, [load = options_.load, name](const LoadProgressCallback& progress) { return load(name, progress); });
-    file_time_ = time_of(name);
+    opening_time_ = time_of(name);
     dismissed_failure_.clear();
     failed_.clear();
     state_.status = session_->status();
@@ -63,7 +63,10 @@ void App::follow_opening()
         });
     }
 
-    if (status.phase == Phase::failed && !opening_.empty()) failed_ = std::exchange(opening_, {});
+    if (status.phase == Phase::failed && !opening_.empty()) {
+        failed_ = std::exchange(opening_, {});
+        if (failed_ == state_.file) file_time_ = opening_time_; // not again until it changes once more
+    }
     std::optional<Scene> slim;
     {
         const std::lock_guard lock(arrived_->mutex);
@@ -84,6 +87,7 @@ void App::follow_opening()
     if (!slim) return;
     state_.outline = std::move(*slim);
     state_.file = opening_.empty() ? status.name : opening_;
+    file_time_ = opening_time_;
     state_.picked.reset();
     state_.picked_point.reset();
     if (keeps_camera_) {

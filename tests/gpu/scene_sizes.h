@@ -17,7 +17,7 @@ SNELL_CONST uint scene_textures = 12u;
 SNELL_CONST uint scene_slots = 16u;
 SNELL_CONST uint scene_columns = 8u; // of the environment's cells
 SNELL_CONST uint scene_rows = 5u;
-SNELL_CONST uint scene_lens_first = 288u; // in colors: a LensSystem::table, and rear_z, entrance_z, gain, film_radius
+SNELL_CONST uint scene_lens_first = 192u; // in colors: a LensSystem::table, and rear_z, entrance_z, gain, film_radius
 SNELL_CONST uint scene_lens_interfaces = 11u;
 SNELL_CONST uint scene_lens_pupils = 64u;
 
