@@ -28,7 +28,8 @@ void App::draw_ui()
         const bool has_column = std::any_of(panels_.begin(), panels_.end(),
                                             [](const auto& panel) { return panel->is_open && !panel->is_floating; });
         if (shows_column_ && has_column) {
-            column_width_ = std::clamp(column_width_, 200.0f * state_.ui_scale, std::max(0.6f * size.x, 1.0f));
+            const float most = std::max(0.6f * size.x, 1.0f); // of small windows less than what is comfortable
+            column_width_ = std::clamp(column_width_, std::min(200.0f * state_.ui_scale, most), most);
             right -= column_width_;
         }
     }
