@@ -67,8 +67,9 @@ struct WideBvh
     std::size_t leaves() const;
 };
 
-// By Collapse, in parallel; the same for any number of threads. costs and stacks of what instance leaves lead to: by
-// group, and last those of the world; empty for trees without instances.
+// By Collapse, in parallel; the same for any number of threads. Slots hold the children that are likeliest to block a
+// ray, for the time they take, last; an order for closest hits each node has beside that. Costs and stacks of what
+// instance leaves lead to: by group, and last those of the world; empty for trees without instances.
 struct Below
 {
     double cost = 0;

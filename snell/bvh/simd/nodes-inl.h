@@ -175,6 +175,15 @@ HWY_INLINE auto lanes_of(D d, V numbers)
     return hn::IndicesFromVec(d, hn::And(numbers, hn::Set(du, hn::MaxLanes(d) - 1)));
 }
 
+// The order for any hit: slot after slot, see make_wide_tree().
+template <class Node>
+constexpr uint order_of_slots()
+{
+    uint order = 0;
+    for (uint i = 0; i < Node::width; ++i) order |= i << (Node::order_bits * i);
+    return order;
+}
+
 // Bits to shift a node's order by, for each lane.
 template <class Node>
 HWY_INLINE auto order_shifts()
@@ -199,7 +208,14 @@ HWY_INLINE ChildWord* push_children(const Node& node, const RayState<Node>& s, c
     const hn::RebindToUnsigned<NodeTag<Node>> du;
     constexpr std::size_t n = hn::MaxLanes(d);
     uint* const distances = words + stride;
-    const uint order = node.order(s.octant);
+#if HWY_TARGET <= HWY_AVX3
+    if constexpr (query == Query::any && n == Node::width) {
+        const auto met = hn::RebindMask(du, hn::Le(slabs.enter, slabs.leave));
+        hn::StoreU(hn::Compress(hn::LoadU(du, node.child), met), du, words);
+        return words + hn::CountTrue(du, met);
+    }
+#endif
+    const uint order = query == Query::any ? order_of_slots<Node>() : node.order(s.octant);
     if constexpr (n == Node::width) {
         const auto front_to_back = hn::Shr(hn::Set(du, order), order_shifts<Node>());
         const auto children = hn::LoadU(du, node.child); // not aligned in quantised nodes

@@ -100,7 +100,7 @@ class PacketTracer
     std::vector<Rest> rests;
 
     // Fewer than this go on alone: below an inner node, later and with many others in flight.
-    static constexpr uint least_together = query == Query::any ? 12 : 8;
+    static constexpr uint least_together = query == Query::any ? 16 : 8;
 
     HWY_NOINLINE void trace_alone(std::size_t index)
     {
@@ -321,7 +321,7 @@ class PacketTracer
     HWY_INLINE std::size_t push_children(const Node& node, const Packet& p, const PacketBounds& bounds, float best,
                                          Lanes lanes, std::size_t size)
     {
-        const uint order = node.order(p.octant);
+        const uint order = query == Query::any ? order_of_slots<Node>() : node.order(p.octant);
         alignas(32) float enters[Node::width];
         for (uint rest = children_in_bounds(node, order, bounds, best, enters); rest != 0; rest &= rest - 1) {
             const auto at = static_cast<uint>(hwy::Num0BitsBelowLS1Bit_Nonzero32(rest));
