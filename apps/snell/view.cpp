@@ -60,7 +60,7 @@ static void add_technique_options(Options& options, ViewJob& job)
     options.value("--tone", "CURVE", "View transform; `snell list` names them [none]",
                   [&](const std::string& text) { job.options.curve = find_tone_curve(text); });
     options.value(
-        "--target-ms", "MS", "Frame time that the governor aims at while things move [25]",
+        "--target-ms", "MS", "Frame time that the governor aims at while things move [16]",
         [&](const std::string& text) { job.options.target_ms = parse_number("--target-ms", text, 1, 10000); });
     options.value("-t,--threads,--nthreads", "N", "Number of threads [all]", [&](const std::string& text) {
         settings.threads = static_cast<int>(parse_integer("--threads", text, 1, 1024));

@@ -15,7 +15,7 @@ constexpr int most_steps_up = 8;
 void Governor::set(const GovernorSettings& settings)
 {
     settings_ = settings;
-    settings_.target_ms = std::isfinite(settings.target_ms) ? std::max(settings.target_ms, 1.0) : 25.0;
+    settings_.target_ms = std::isfinite(settings.target_ms) ? std::max(settings.target_ms, 1.0) : GovernorSettings{}.target_ms;
     decide();
 }
 

@@ -9,7 +9,7 @@ namespace snell {
 
 struct GovernorSettings
 {
-    double target_ms = 25.0; // for one picture of all panes while things move
+    double target_ms = 16.0; // for one picture of all panes while things move
     bool enabled = true;     // false: always at full resolution and depth
 
     bool operator==(const GovernorSettings&) const = default;

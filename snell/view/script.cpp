@@ -13,6 +13,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdio>
@@ -43,10 +44,15 @@ const std::vector<Command>& commands()
         {"click", 2, 3, {0, 1}, "click X Y [right|middle|alt]"},
         {"drag", 4, 5, {0, 1, 2, 3}, "drag X1 Y1 X2 Y2 [right|middle|alt]"},
         {"wheel", 1, 1, {0}, "wheel NOTCHES"},
-        {"wait", 1, 2, {}, "wait MILLISECONDS, or wait frame|picture|scene|rest, or wait spp N"},
+        {"wait",
+         1,
+         3,
+         {},
+         "wait MILLISECONDS, wait frame|picture|scene|rest, wait spp N, or wait NAME COMPARISON VALUE"},
         {"set", 2, 2, {}, "set NAME VALUE"},
         {"panel", 2, 2, {}, "panel NAME open|close|float|dock"},
         {"press", 1, 1, {}, "press \"LABEL\""},
+        {"enter", 2, 2, {}, "enter \"LABEL\" VALUE"},
         {"drop", 1, 1, {}, "drop FILE"},
         {"screenshot", 1, 2, {}, "screenshot [--window] FILE"},
         {"assert", 2, 8, {}, "assert NAME [==|!=|<|<=|>|>=] VALUE, or assert pixel X Y near R G B [TOLERANCE]"},
@@ -222,6 +228,34 @@ void Script::then_click(float x, float y, const std::string& how)
     then_frames(2);
 }
 
+void Script::then_key(const KeyName& key)
+{
+    then([=](App& app) { return push_key(app, key, true); });
+    then_frames(2);
+    then([=](App& app) { return push_key(app, key, false); });
+    then_frames(2);
+}
+
+void Script::then_press(const std::string& label, const std::string& how)
+{
+    then([=](App&) {
+        seek_item(label);
+        return true;
+    });
+    then_frames(4); // controls that have just come, or had to be scrolled to, know their place
+    then([=, this](App&) {
+        const auto place = find_item(label);
+        seek_item("");
+        if (!place) throw Error(fmt::format("no control '{}' is to be seen", label), "open its panel first");
+        // Its clicks come before what else this line has to do.
+        std::deque<Step> rest;
+        rest.swap(steps_);
+        then_click(place->x, place->y, how);
+        for (Step& step : rest) then(std::move(step));
+        return true;
+    });
+}
+
 void Script::then_drag(float x0, float y0, float x1, float y1, const std::string& how)
 {
     then([=](App& app) { return push_move(app, x0, y0); });
@@ -261,6 +295,30 @@ static double of(const ScriptLine& line, std::size_t word)
     return *read_value(line.words[word]); // checked when it was read
 }
 
+static constexpr std::array comparisons = {"==", "!=", "<", "<=", ">", ">="};
+
+static bool holds(double value, const std::string& comparison, double wanted)
+{
+    if (comparison == "<") return value < wanted;
+    if (comparison == "<=") return value <= wanted;
+    if (comparison == ">") return value > wanted;
+    if (comparison == ">=") return value >= wanted;
+    if (comparison == "!=") return value != wanted;
+    return value == wanted;
+}
+
+// Of numbers, or of words that are equal or not.
+static bool holds(const std::string& value, const std::string& comparison, const std::string& wanted)
+{
+    if (std::find(comparisons.begin(), comparisons.end(), comparison) == comparisons.end())
+        throw Error(fmt::format("'{}' is no comparison", comparison), "there are ==, !=, <, <=, > and >=");
+    const auto left = read_value(value), right = read_value(wanted);
+    if (left && right) return holds(*left, comparison, *right);
+    if (comparison == "==" || comparison == "!=") return (value == wanted) == (comparison == "==");
+    if (value == "none") return false; // there is no such number yet
+    throw Error(fmt::format("'{}' and '{}' are not both numbers", value, wanted), "compare words with == or !=");
+}
+
 void Script::run(App& app, const ScriptLine& line)
 {
     const std::vector<std::string>& words = line.words;
@@ -275,11 +333,7 @@ void Script::run(App& app, const ScriptLine& line)
         then([timer = Timer()](App&) { return timer.seconds() > 0.3; }); // until pictures are asked for in that size
         then_frames(1);
     } else if (name == "key") {
-        const KeyName key = *parse_key(words[1]);
-        then([=](App& a) { return push_key(a, key, true); });
-        then_frames(2);
-        then([=](App& a) { return push_key(a, key, false); });
-        then_frames(2);
+        then_key(*parse_key(words[1]));
     } else if (name == "hold") {
         const KeyName key = *parse_key(words[1]);
         const double seconds = 1e-3 * of(line, 2);
@@ -304,17 +358,16 @@ void Script::run(App& app, const ScriptLine& line)
         then([notches = static_cast<int>(at(1))](App& a) { return push_wheel(a, notches); });
         then_frames(2);
     } else if (name == "press") {
-        then_frames(2); // controls that have just come know their place
-        then([this, label = words[1]](App&) {
-            const auto place = find_item(label);
-            if (!place) throw Error(fmt::format("no control '{}' is to be seen", label), "open its panel first");
-            // Its clicks come before what else this line has to do.
-            std::deque<Step> rest;
-            rest.swap(steps_);
-            then_click(place->x, place->y, "left");
-            for (Step& step : rest) then(std::move(step));
-            return true;
-        });
+        then_press(words[1], "left");
+    } else if (name == "enter") {
+        then_press(words[1], "ctrl"); // which makes a slider a field
+        for (const char* key : {"Ctrl+a", "", "Return"}) {
+            if (*key == '\0')
+                then([text = words[2]](App& a) { return push_text(a, text); });
+            else
+                then_key(*parse_key(key));
+            then_frames(2);
+        }
     } else if (name == "drop") {
         then([file = words[1]](App& a) { return push_drop(a, file); });
         then_frames(2);
@@ -346,6 +399,9 @@ void Script::run(App& app, const ScriptLine& line)
                 return !a.is_opening() && a.is_settled() && shot != nullptr && !shot->is_preview && shot->spp >= spp;
             });
             then_frames(1);
+        } else if (words.size() == 4) {
+            then_wait(line.words[1] + " " + words[2] + " " + words[3],
+                      [words](App& a) { return holds(get_value(a, words[1]), words[2], words[3]); });
         } else if (const auto ms = read_value(what); ms && words.size() == 2) {
             then([seconds = 1e-3 * *ms, timer = std::optional<Timer>()](App&) mutable {
                 if (!timer) timer.emplace();
@@ -398,16 +454,6 @@ void Script::run(App& app, const ScriptLine& line)
 
 // ---- assertions ----
 
-static bool holds(double value, const std::string& comparison, double wanted)
-{
-    if (comparison == "<") return value < wanted;
-    if (comparison == "<=") return value <= wanted;
-    if (comparison == ">") return value > wanted;
-    if (comparison == ">=") return value >= wanted;
-    if (comparison == "!=") return value != wanted;
-    return value == wanted;
-}
-
 static void check_pixel(const ScreenPicture& screen, const std::vector<std::string>& words, float scale)
 {
     std::array<double, 6> n{};
@@ -443,22 +489,10 @@ void Script::check(App& app, const ScriptLine& line)
         });
         return;
     }
-    static constexpr std::array comparisons = {"==", "!=", "<", "<=", ">", ">="};
-    const bool is_compared =
-        words.size() == 4 && std::find(comparisons.begin(), comparisons.end(), words[2]) != comparisons.end();
-    if (!is_compared && words.size() != 3)
-        throw Error("the assertion is not understood", find_command("assert")->usage);
-    const std::string comparison = is_compared ? words[2] : "==", wanted = words.back();
+    if (words.size() > 4) throw Error("the assertion is not understood", find_command("assert")->usage);
+    const std::string comparison = words.size() == 4 ? words[2] : "==", wanted = words.back();
     const std::string value = get_value(app, words[1]);
-    const auto left = read_value(value), right = read_value(wanted);
-    bool is_so = false;
-    if (left && right)
-        is_so = holds(*left, comparison, *right);
-    else if (comparison == "==" || comparison == "!=")
-        is_so = (value == wanted) == (comparison == "==");
-    else
-        throw Error(fmt::format("'{}' and '{}' are not both numbers", value, wanted), "compare words with == or !=");
-    if (!is_so)
+    if (!holds(value, comparison, wanted))
         throw AssertionFailed{fmt::format("{} {} {} does not hold: it is {}", words[1], comparison, wanted, value)};
 }
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "snell/core/vec.h"
+#include "snell/view/keys.h"
 
 #include <deque>
 #include <filesystem>
@@ -43,6 +44,8 @@ class Script
     void then(Step step) { steps_.push_back(std::move(step)); }
     void then_frames(int count);
     void then_wait(const std::string& what, std::function<bool(App&)> is_so);
+    void then_key(const KeyName& key);
+    void then_press(const std::string& label, const std::string& how);
     void then_click(float x, float y, const std::string& how);
     void then_drag(float x0, float y0, float x1, float y1, const std::string& how);
     void then_random(double seconds, uint seed);

@@ -32,31 +32,10 @@ bool push_move(App& app, float x, float y)
     return push(event);
 }
 
-static void set_alt(bool is_down)
+static void hold(int modifier, bool is_down)
 {
     const int mod = SDL_GetModState();
-    SDL_SetModState(static_cast<SDL_Keymod>(is_down ? mod | KMOD_LALT : mod & ~KMOD_LALT));
-}
-
-bool push_button(App& app, float x, float y, const std::string& how, bool is_down)
-{
-    SDL_Event event{};
-    event.type = is_down ? SDL_MOUSEBUTTONDOWN : SDL_MOUSEBUTTONUP;
-    event.button.windowID = window_id(app);
-    event.button.state = is_down ? SDL_PRESSED : SDL_RELEASED;
-    event.button.clicks = 1;
-    event.button.x = static_cast<int>(std::lround(x));
-    event.button.y = static_cast<int>(std::lround(y));
-    if (how == "left" || how == "alt")
-        event.button.button = SDL_BUTTON_LEFT;
-    else if (how == "right")
-        event.button.button = SDL_BUTTON_RIGHT;
-    else if (how == "middle")
-        event.button.button = SDL_BUTTON_MIDDLE;
-    else
-        throw Error(fmt::format("there is no way to click '{}'", how), "there are: left, right, middle, alt");
-    if (how == "alt") set_alt(is_down);
-    return push(event);
+    SDL_SetModState(static_cast<SDL_Keymod>(is_down ? mod | modifier : mod & ~modifier));
 }
 
 static int modifiers(const KeyName& key)
@@ -73,6 +52,31 @@ static bool push_one_key(App& app, int code, int mod, bool is_down)
     event.key.keysym.sym = code;
     event.key.keysym.scancode = SDL_GetScancodeFromKey(code);
     event.key.keysym.mod = static_cast<Uint16>(mod);
+    return push(event);
+}
+
+bool push_button(App& app, float x, float y, const std::string& how, bool is_down)
+{
+    SDL_Event event{};
+    event.type = is_down ? SDL_MOUSEBUTTONDOWN : SDL_MOUSEBUTTONUP;
+    event.button.windowID = window_id(app);
+    event.button.state = is_down ? SDL_PRESSED : SDL_RELEASED;
+    event.button.clicks = 1;
+    event.button.x = static_cast<int>(std::lround(x));
+    event.button.y = static_cast<int>(std::lround(y));
+    if (how == "left" || how == "alt" || how == "ctrl")
+        event.button.button = SDL_BUTTON_LEFT;
+    else if (how == "right")
+        event.button.button = SDL_BUTTON_RIGHT;
+    else if (how == "middle")
+        event.button.button = SDL_BUTTON_MIDDLE;
+    else
+        throw Error(fmt::format("there is no way to click '{}'", how), "there are: left, right, middle, alt, ctrl");
+    if (how == "alt") hold(KMOD_LALT, is_down);
+    if (how == "ctrl") { // ImGui hears of it by the key
+        hold(KMOD_LCTRL, is_down);
+        push_one_key(app, SDLK_LCTRL, SDL_GetModState(), is_down);
+    }
     return push(event);
 }
 

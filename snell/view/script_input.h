@@ -11,7 +11,7 @@ namespace snell::view {
 class App;
 
 bool push_move(App& app, float x, float y);                                         // in ImGui's units
-bool push_button(App& app, float x, float y, const std::string& how, bool is_down); // left, right, middle, alt
+bool push_button(App& app, float x, float y, const std::string& how, bool is_down); // left, right, middle, alt, ctrl
 bool push_key(App& app, const KeyName& key, bool is_down);
 bool push_text(App& app, const std::string& text);
 bool push_wheel(App& app, int notches);

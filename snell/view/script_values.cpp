@@ -123,6 +123,7 @@ std::string get_value(App& app, const std::string& name)
     const auto vector = [](vec3 v) { return fmt::format("{},{},{}", v.x, v.y, v.z); };
     if (name == "phase") return phase_name(state.status.phase);
     if (name == "scene") return state.file;
+    if (name == "opened") return std::to_string(state.opened);
     if (name == "error") return state.status.phase == SessionStatus::Phase::failed ? state.status.what : "";
     if (name == "spp") return std::to_string(shot != nullptr ? shot->spp : 0u);
     if (name == "generation") return std::to_string(shot != nullptr ? shot->generation : 0u);

@@ -21,7 +21,7 @@ struct ViewOptions
     int width = 1280, height = 720;
     float ui_scale = 0.0f; // 0: by the display
     bool is_light = false;
-    double target_ms = 25.0;      // of the governor
+    double target_ms = 16.0;      // of the governor
     std::filesystem::path script; // empty: none
     std::string record;           // pattern of the pictures along the camera path: then the viewer ends by itself
     std::filesystem::path path;   // file of views for the path; empty: those that were stored

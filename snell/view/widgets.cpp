@@ -23,6 +23,17 @@ void begin_items()
     items(false).clear();
 }
 
+static std::string& sought_item()
+{
+    static std::string label;
+    return label;
+}
+
+void seek_item(std::string_view label)
+{
+    sought_item() = label;
+}
+
 std::optional<vec2> find_item(std::string_view label)
 {
     const auto& all = items(true);
@@ -33,9 +44,27 @@ std::optional<vec2> find_item(std::string_view label)
 
 void name_item(std::string_view name)
 {
-    if (!ImGui::IsItemVisible()) return;
+    if (!ImGui::IsItemVisible()) {
+        // "Reflectance.x" is in the item "Reflectance".
+        const std::string& sought = sought_item();
+        const std::string_view label = name.substr(0, name.find("##"));
+        if (!sought.empty() && (sought == label || sought.substr(0, sought.rfind('.')) == label))
+            ImGui::SetScrollHereY(0.5f);
+        return;
+    }
     const ImVec2 low = ImGui::GetItemRectMin(), high = ImGui::GetItemRectMax();
     items(false)[std::string(name.substr(0, name.find("##")))] = vec2(0.5f * (low.x + high.x), 0.5f * (low.y + high.y));
+}
+
+// The three fields of a vector's or colour's control; `aside` of its width is something else.
+static void name_fields(std::string_view label, float aside)
+{
+    if (!ImGui::IsItemVisible()) return;
+    const ImVec2 low = ImGui::GetItemRectMin(), high = ImGui::GetItemRectMax();
+    const std::string name(label.substr(0, label.find("##")));
+    for (int i = 0; i < 3; ++i)
+        items(false)[name + "." + "xyz"[i]] =
+            vec2(low.x + (high.x - low.x - aside) * (static_cast<float>(i) + 0.5f) / 3.0f, 0.5f * (low.y + high.y));
 }
 
 void tip(std::string_view text)
@@ -109,14 +138,17 @@ bool number(const char* label, float& value, float step, float least, float most
 bool vector(const char* label, vec3& value, float step, const char* help)
 {
     const std::string id = begin_row(label, help);
-    return end_row(ImGui::DragFloat3(id.c_str(), &value.x, step, -1e18f, 1e18f, "%.4g"), label, help);
+    const bool changed = ImGui::DragFloat3(id.c_str(), &value.x, step, -1e18f, 1e18f, "%.4g");
+    name_fields(label, 0.0f);
+    return end_row(changed, label, help);
 }
 
 bool color(const char* label, vec3& value, const char* help)
 {
     const std::string id = begin_row(label, help);
-    return end_row(ImGui::ColorEdit3(id.c_str(), &value.x, ImGuiColorEditFlags_Float | ImGuiColorEditFlags_HDR), label,
-                   help);
+    const bool changed = ImGui::ColorEdit3(id.c_str(), &value.x, ImGuiColorEditFlags_Float | ImGuiColorEditFlags_HDR);
+    name_fields(label, ImGui::GetFrameHeight());
+    return end_row(changed, label, help);
 }
 
 bool text(const char* label, std::string& value, const char* help, const char* hint)

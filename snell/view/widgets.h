@@ -45,6 +45,8 @@ void name_item(std::string_view name);
 
 // Where the control of that label was drawn in the last frame, in ImGui's units (its middle); nothing if it was not.
 std::optional<vec2> find_item(std::string_view label);
+// Until another one is sought: a control of that label is scrolled to where it can be seen.
+void seek_item(std::string_view label);
 // Once before each frame.
 void begin_items();
 

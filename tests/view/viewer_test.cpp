@@ -1,51 +1,14 @@
 // The viewer as a user has it: a window on a display, keys, mouse and files.
-#include "../cli/program.h"
-#include "display.h"
+#include "viewer.h"
 
 #include "snell/core/timer.h"
-#include "snell/io/image/read.h"
+#include "snell/io/file.h"
 
-#include <gtest/gtest.h>
-
-#include <cstdlib>
-#include <memory>
 #include <regex>
 
 #include <unistd.h>
 
 namespace snell::test {
-
-namespace {
-class Viewer : public testing::Test
-{
-  protected:
-    static void SetUpTestSuite() { display_ = std::make_unique<Display>(); }
-    static void TearDownTestSuite() { display_.reset(); }
-    void SetUp() override { setenv("XDG_CONFIG_HOME", (program_.folder() / "config").c_str(), 1); }
-
-    // Runs a script to its end.
-    Outcome script(const std::string& text, std::vector<std::string> arguments = {})
-    {
-        program_.write("script.txt", text);
-        arguments.insert(arguments.begin(), {"view", "--script", "script.txt", "--scale", "1"});
-        return program_.run(arguments);
-    }
-
-    vec3 mean(const std::string& file) const
-    {
-        const Picture picture = read_picture(program_.folder() / file);
-        glm::dvec3 sum(0.0);
-        for (const vec3 pixel : picture.pixels) sum += glm::dvec3(pixel);
-        return vec3(sum / static_cast<double>(picture.pixels.size()));
-    }
-
-    Program program_;
-
-  private:
-    static std::unique_ptr<Display> display_;
-};
-std::unique_ptr<Display> Viewer::display_;
-} // namespace
 
 TEST_F(Viewer, OpensWalksResizesAndCloses)
 {
@@ -91,7 +54,7 @@ TEST_F(Viewer, ShowsThePictureThatRenderMakes)
                                    {"--size", "200x150", "--spp", "16"});
     ASSERT_EQ(outcome.code, 0) << outcome.err;
     // A window may be made no smaller than 320 x 240.
-    const Picture shot = read_picture(program_.folder() / "view.exr");
+    const Picture shot = picture("view.exr");
     const Outcome rendered = program_.run({"render", "spheres", "--spp", "16", "--size",
                                            std::to_string(shot.width) + "x" + std::to_string(shot.height), "-o",
                                            "render.exr", "-o", "render.png", "-q"});
@@ -222,6 +185,7 @@ TEST_F(Viewer, TakesRealKeysAndMouse)
     EXPECT_LT(seen[0].first, 3.99); // it has walked
     EXPECT_EQ(seen[0].second, 0.0);
     EXPECT_LT(seen[1].second, -0.01); // and looked to the left: the picture follows the hand
+    EXPECT_NE(read_file(program_.folder() / "config/snell/recent").find("cornell"), std::string::npos);
 }
 
 TEST_F(Viewer, SurvivesRandomInput)

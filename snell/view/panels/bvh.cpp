@@ -276,10 +276,10 @@ class BvhPanel : public Panel
     {
         const auto facts = facts_.answer();
         const auto walk = walk_.answer();
-        if (wanted_name == "trees.mrays" && facts != nullptr) return fmt::format("{}", facts->speed.camera);
-        if (wanted_name == "trees.nodes" && facts != nullptr) return fmt::format("{}", facts->stats.nodes);
-        if (wanted_name == "trees.steps" && walk != nullptr) return fmt::format("{}", walk->walk.steps.size());
         if (wanted_name == "trees.measured") return fmt::format("{}", rows_.size());
+        if (wanted_name == "trees.mrays") return facts == nullptr ? "none" : fmt::format("{}", facts->speed.camera);
+        if (wanted_name == "trees.nodes") return facts == nullptr ? "none" : fmt::format("{}", facts->stats.nodes);
+        if (wanted_name == "trees.steps") return walk == nullptr ? "none" : fmt::format("{}", walk->walk.steps.size());
         return std::nullopt;
     }
 

@@ -87,8 +87,8 @@ class Compare : public Panel
         if (state.panes.size() > 1) draw_errors(state);
     }
 
-    // panes N; arrangement side|divider; show PANE:rendering|file:NAME|difference:A:B:KIND; integrator PANE:NAME, and
-    // in the same way sampler, accel, seed. Panes are counted from 1.
+    // panes N; arrangement side|divider; show PANE:rendering|file:NAME|difference:A:B:KIND; truth PANE;
+    // pane.integrator PANE:NAME, and in the same way pane.sampler, pane.accel, pane.seed. Panes are counted from 1.
     bool set(ViewState& state, const std::string& name, const std::string& value) override;
     // panes; mse, relmse, psnr, or with a pane behind it: mse2. Of the pane against the reference.
     std::optional<std::string> get(ViewState& state, const std::string& name) override;
@@ -107,6 +107,7 @@ class Compare : public Panel
     {
         const Choice& choice = choices_[i];
         if (choice.shows == Shows::file) return choice.file.empty() ? "no file" : choice.file;
+        if (choice.shows == Shows::difference && !choice.trouble.empty()) return choice.trouble;
         if (choice.shows == Shows::difference)
             return fmt::format("{}: pane {} against {}", difference_names[static_cast<std::size_t>(choice.kind)],
                                choice.picture_pane + 1, choice.reference_pane + 1);
@@ -243,8 +244,9 @@ class Compare : public Panel
             if (choice.shows != Shows::difference) continue;
             const std::size_t a = choice.picture_pane, b = choice.reference_pane;
             const std::size_t count = state.panes.size();
-            if (a >= count || b >= count || a == i || b == i || a == b) {
+            if (a >= count || b >= count || a == i || b == i) {
                 choice.trouble = "choose two other panes: their pictures are compared here";
+                state.panes[i].instead = mine_[i] = nullptr;
                 continue;
             }
             const ShotPtr x = state.panes[a].shot, r = state.panes[b].shot;
@@ -410,12 +412,15 @@ bool Compare::set(ViewState& state, const std::string& name, const std::string& 
         } else
             throw Error(fmt::format("a pane cannot show '{}'", value),
                         "it can show rendering, file:NAME, difference:PANE:PANE:KIND");
-    } else if (name == "integrator" || name == "sampler" || name == "accel" || name == "seed") {
+    } else if (name == "pane.integrator") {
+        state.panes[pane_number(state, value)].request.settings.integrator = value;
+    } else if (name == "pane.sampler") {
+        state.panes[pane_number(state, value)].request.settings.sampler = value;
+    } else if (name == "pane.accel") {
+        state.panes[pane_number(state, value)].request.settings.accel = value;
+    } else if (name == "pane.seed") {
         RenderSettings& settings = state.panes[pane_number(state, value)].request.settings;
-        if (name == "integrator") settings.integrator = value;
-        if (name == "sampler") settings.sampler = value;
-        if (name == "accel") settings.accel = value;
-        if (name == "seed") std::from_chars(value.data(), value.data() + value.size(), settings.seed);
+        std::from_chars(value.data(), value.data() + value.size(), settings.seed);
     } else
         return false;
     state.wake();

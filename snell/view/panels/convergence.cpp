@@ -99,7 +99,8 @@ class Convergence : public Panel
 
     std::optional<std::string> get(ViewState&, const std::string& name) override
     {
-        if (live_.empty()) return std::nullopt;
+        if (name != "points" && name != "rmse" && name != "slope") return std::nullopt;
+        if (live_.empty()) return "none";
         const ConvergenceCurve& curve = live_[0].curve;
         if (name == "points") return std::to_string(curve.points.size());
         if (name == "rmse") return fmt::format("{}", curve.points.empty() ? 0.0 : curve.points.back().rmse);

@@ -259,7 +259,8 @@ class PathsPanel : public Panel
     std::optional<std::string> get(ViewState&, const std::string& wanted) override
     {
         const auto found = replay_.answer();
-        if (found == nullptr) return std::nullopt;
+        if (wanted.rfind("paths.", 0) != 0) return std::nullopt;
+        if (found == nullptr) return "none";
         if (wanted == "paths.count") return std::to_string(found->paths.size());
         if (wanted == "paths.exact") return std::to_string(found->exact);
         const auto at = static_cast<std::size_t>(std::clamp(selected_, 0, static_cast<int>(found->paths.size()) - 1));

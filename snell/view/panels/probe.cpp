@@ -110,7 +110,8 @@ class PixelPanel : public Panel
     std::optional<std::string> get(ViewState&, const std::string& wanted) override
     {
         const auto found = question_.answer();
-        if (found == nullptr) return std::nullopt;
+        if (wanted.rfind("pixel.", 0) != 0) return std::nullopt;
+        if (found == nullptr) return "none";
         if (wanted == "pixel.object") return found->pixel.object;
         if (wanted == "pixel.material") return found->pixel.material;
         if (wanted == "pixel.distance") return fmt::format("{}", found->pixel.depth);
