@@ -7,6 +7,8 @@
 #include <png.h>
 
 #include <cmath>
+#include <cstdio>
+#include <map>
 
 namespace snell {
 
@@ -126,6 +128,39 @@ TEST(Png, non_finite_and_out_of_range_values_do_no_harm)
             EXPECT_EQ(bytes[15], 0);
         }
     }
+}
+
+// What a picture says of how it was made; other readers find it, and the pixels are as without it.
+TEST(Png, texts_say_how_it_was_made)
+{
+    TemporaryFolder folder;
+    Picture picture;
+    picture.width = 3;
+    picture.height = 2;
+    picture.pixels.assign(6, vec3(0.25f, 0.5f, 1.0f));
+    Layers layers;
+    layers.attributes = {{"commandLine", "render cornell --spp 4"}, {"title", "gr\u00fcn"}};
+    layers.numbers = {{"spp", 4}};
+    write_picture(folder / "plain.png", picture);
+    write_picture(folder / "said.png", picture, layers);
+    EXPECT_EQ(decode(folder / "plain.png"), decode(folder / "said.png"));
+
+    std::FILE* in = std::fopen((folder / "said.png").c_str(), "rb");
+    ASSERT_TRUE(in);
+    png_structp png = png_create_read_struct(PNG_LIBPNG_VER_STRING, nullptr, nullptr, nullptr);
+    png_infop info = png_create_info_struct(png);
+    png_init_io(png, in);
+    png_read_png(png, info, PNG_TRANSFORM_IDENTITY, nullptr); // checks the sums
+    png_textp texts = nullptr;
+    int count = 0;
+    png_get_text(png, info, &texts, &count);
+    std::map<std::string, std::string> found;
+    for (int i = 0; i < count; ++i) found[texts[i].key] = texts[i].text;
+    png_destroy_read_struct(&png, &info, nullptr);
+    std::fclose(in);
+    EXPECT_EQ(found.size(), 2u);
+    EXPECT_EQ(found["commandLine"], "render cornell --spp 4");
+    EXPECT_EQ(found["title"], "gr\u00fcn");
 }
 
 TEST(Png, grey_of_few_bits)

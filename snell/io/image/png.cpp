@@ -4,6 +4,7 @@
 #include "snell/kernel/tone.h"
 
 #include <png.h>
+#include <zlib.h>
 
 #include <algorithm>
 #include <bit>
@@ -165,6 +166,31 @@ Raster decode_png(const fs::path& file, std::string_view bytes)
     return raster;
 }
 
+// The signature and the chunk IHDR, which have the same size in every file.
+static constexpr std::size_t end_of_header = 8 + 25;
+
+static std::string big_endian(std::uint32_t value)
+{
+    std::string bytes;
+    for (int shift = 24; shift >= 0; shift -= 8) bytes += static_cast<char>(value >> shift & 255u);
+    return bytes;
+}
+
+// What an EXR file has as string attributes, as chunks iTXt (UTF-8, not compressed). Without the numbers: the time a
+// picture took is among them, and the same command shall give the same file.
+static std::string text_chunks(const Layers& layers)
+{
+    std::string chunks;
+    for (const auto& [name, text] : layers.attributes) {
+        constexpr std::size_t longest_keyword = 79;
+        const std::string body = "iTXt" + name.substr(0, longest_keyword) + std::string(5, '\0') + text;
+        const auto* const bytes = reinterpret_cast<const Bytef*>(body.data());
+        chunks += big_endian(static_cast<std::uint32_t>(body.size() - 4)) + body +
+                  big_endian(static_cast<std::uint32_t>(crc32(0, bytes, static_cast<uInt>(body.size()))));
+    }
+    return chunks;
+}
+
 void write_png(const fs::path& file, const Picture& picture, const Layers& layers, const DisplayTransform& display)
 {
     const bool has_alpha = !layers.alpha.empty();
@@ -184,16 +210,19 @@ void write_png(const fs::path& file, const Picture& picture, const Layers& layer
             if (has_alpha) bytes.push_back(quantize(alpha, 0.5f));
         }
     }
-    write_atomically(file, [&](const fs::path& temporary) {
-        png_image image = {};
-        image.version = PNG_IMAGE_VERSION;
-        image.width = static_cast<png_uint_32>(picture.width);
-        image.height = static_cast<png_uint_32>(picture.height);
-        image.format = has_alpha ? PNG_FORMAT_RGBA : PNG_FORMAT_RGB;
-        if (!png_image_write_to_file(&image, temporary.c_str(), 0, bytes.data(), 0, nullptr))
-            throw Error({file.string()}, fmt::format("writing the PNG file failed: {}", image.message),
-                        "check the disk's free space");
-    });
+    png_image image = {};
+    image.version = PNG_IMAGE_VERSION;
+    image.width = static_cast<png_uint_32>(picture.width);
+    image.height = static_cast<png_uint_32>(picture.height);
+    image.format = has_alpha ? PNG_FORMAT_RGBA : PNG_FORMAT_RGB;
+    std::string encoded(PNG_IMAGE_PNG_SIZE_MAX(image), '\0');
+    png_alloc_size_t size = encoded.size();
+    if (!png_image_write_to_memory(&image, encoded.data(), &size, 0, bytes.data(), 0, nullptr))
+        throw Error({file.string()}, fmt::format("writing the PNG file failed: {}", image.message),
+                    "report this: it is an error of ours");
+    encoded.resize(size);
+    encoded.insert(end_of_header, text_chunks(layers));
+    write_atomically(file, encoded);
 }
 
 } // namespace snell

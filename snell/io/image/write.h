@@ -15,7 +15,7 @@ struct DisplayTransform
 };
 
 // By ending: .exr (float32, with layers), .png (8 bit, sRGB curve, dithered; with Layers::alpha, not multiplied into
-// the colours), .hdr, .pfm. Throws Error.
+// the colours; Layers::attributes are chunks iTXt), .hdr, .pfm. Throws Error.
 void write_picture(const std::filesystem::path& file, const Picture& picture, const Layers& layers = {},
                    const DisplayTransform& display = {});
 
