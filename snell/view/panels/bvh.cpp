@@ -1,10 +1,9 @@
 // The inspector of acceleration structures: boxes by level, one ray step by step, builders side by side.
 #include "snell/bvh/options.h"
 #include "snell/core/error.h"
-#include "snell/lab/bvh_probe.h"
-#include "snell/lab/pixel_probe.h"
 #include "snell/render/integrator.h"
 #include "snell/view/overlay.h"
+#include "snell/view/panels/bvh_facts.h"
 #include "snell/view/question.h"
 #include "snell/view/widgets.h"
 
@@ -15,145 +14,6 @@
 namespace snell::view {
 
 namespace {
-
-constexpr std::size_t most_boxes = 4000;   // that are drawn
-constexpr std::size_t rays_of_set = 16384; // to measure with
-constexpr double burst_seconds = 0.05;     // for each set of rays
-
-// Which structure a pane traces with.
-struct Which
-{
-    std::size_t pane = 0;
-    std::string accel, builder;
-    std::uint64_t scene = 0; // SessionStatus::scene_version
-    bool operator==(const Which&) const = default;
-};
-
-struct Tree
-{
-    std::string name;
-    TreeFigures figures;
-};
-
-struct Facts
-{
-    Which which;
-    bool has_trees = false;
-    std::vector<Tree> trees; // those that have nodes
-    AccelStats stats;
-    TraceSpeed speed;
-};
-
-struct Level
-{
-    Which which;
-    int tree = -1, depth = -1;
-    std::size_t count = 0; // of boxes on that level, every instance of a group's tree counted
-    std::vector<std::array<vec3, 8>> nodes, leaves;
-};
-
-struct Walk
-{
-    Which which;
-    Ray ray;
-    RayWalk walk;
-    std::vector<std::array<vec3, 8>> boxes; // of the steps, in world space
-    float length = 0;                       // of the ray that is drawn
-};
-
-const Prepared& prepared_of(const SessionAccess& access, const Which& which)
-{
-    if (which.pane >= access.prepared.size() || access.prepared[which.pane] == nullptr)
-        throw Error("the scene is not ready yet");
-    const RenderSettings& settings = access.panes[which.pane].settings;
-    const auto builder = settings.parameters.find("builder");
-    if (settings.accel != which.accel || (builder == settings.parameters.end() ? "" : builder->second) != which.builder)
-        throw Error("the structure is being built");
-    return *access.prepared[which.pane];
-}
-
-Facts gather(const SessionAccess& access, const Which& which)
-{
-    const Prepared& prepared = prepared_of(access, which);
-    Facts facts;
-    facts.which = which;
-    facts.stats = prepared.accel->stats;
-    if (const Inspectable* trees = find_trees(*prepared.accel)) {
-        facts.has_trees = true;
-        for (const TreeView& tree : trees->trees())
-            if (!tree.nodes.empty()) facts.trees.push_back({tree.name, measure_tree(tree)});
-    }
-    facts.speed = measure_speed(*prepared.accel,
-                                make_view_rays(prepared, access.camera, access.panes[which.pane].settings, rays_of_set),
-                                burst_seconds);
-    return facts;
-}
-
-Level gather_level(const SessionAccess& access, const Which& which, int number, int depth)
-{
-    const Prepared& prepared = prepared_of(access, which);
-    Level level;
-    level.which = which;
-    level.tree = number, level.depth = depth;
-    const Inspectable* trees = find_trees(*prepared.accel);
-    if (trees == nullptr) return level;
-    int at = 0;
-    for (const TreeView& tree : trees->trees()) {
-        if (tree.nodes.empty() || at++ != number) continue;
-        std::vector<const Transform*> places;
-        if (tree.group == none)
-            places.push_back(nullptr);
-        else
-            for (const Instance& instance : prepared.packed.instances)
-                if (instance.group == tree.group) places.push_back(&instance.to_world);
-        std::vector<const TreeNode*> nodes;
-        for (const TreeNode& node : tree.nodes)
-            if (static_cast<int>(node.depth) == depth) nodes.push_back(&node);
-        level.count = nodes.size() * places.size();
-        const std::size_t stride = std::max<std::size_t>(1, (level.count + most_boxes - 1) / most_boxes);
-        for (std::size_t i = 0; i < level.count; i += stride) {
-            const TreeNode& node = *nodes[i % nodes.size()];
-            (node.kind == TreeNodeKind::inner ? level.nodes : level.leaves)
-                .push_back(box_corners(node.box, places[i / nodes.size()]));
-        }
-    }
-    return level;
-}
-
-Walk follow(const SessionAccess& access, const Which& which, const PickedPixel& pixel, const RenderSettings& settings)
-{
-    const Prepared& prepared = prepared_of(access, which);
-    const Inspectable* trees = find_trees(*prepared.accel);
-    if (trees == nullptr) throw Error("this structure has no tree to follow a ray through");
-    Walk walk;
-    walk.which = which;
-    walk.ray = probe_pixel(prepared, access.camera, access.scene, settings, pixel.x, pixel.y).first.ray;
-    walk.walk = trees->walk(walk.ray);
-    walk.length = is_hit(walk.walk.hit) ? walk.walk.hit.t : 2.0f * prepared.packed.radius;
-    for (const WalkStep& step : walk.walk.steps) {
-        const Transform* place = step.instance == none ? nullptr : &prepared.packed.instances[step.instance].to_world;
-        walk.boxes.push_back(box_corners(step.box, place));
-    }
-    return walk;
-}
-
-std::string_view word_of(WalkStep::What what)
-{
-    switch (what) {
-    case WalkStep::What::planes:
-        return "planes";
-    case WalkStep::What::node:
-        return "node";
-    case WalkStep::What::leaf:
-        return "leaf";
-    case WalkStep::What::skipped:
-        return "skipped";
-    case WalkStep::What::enter:
-        return "into instance";
-    default:
-        return "out of instance";
-    }
-}
 
 std::string bytes_in_words(std::size_t bytes)
 {
@@ -188,7 +48,7 @@ class BvhPanel : public Panel
             (!asked_ || !(*asked_ == which) || (!facts_.error().empty() && state.time > retry_at_))) {
             asked_ = which;
             retry_at_ = state.time + 0.3;
-            facts_.ask(state.session, [which](const SessionAccess& access) { return gather(access, which); });
+            facts_.ask(state.session, [which](const SessionAccess& access) { return gather_facts(access, which); });
         }
         const auto facts = facts_.answer();
         const bool is_current = facts != nullptr && facts->which == which;
@@ -205,7 +65,7 @@ class BvhPanel : public Panel
             step_ = 0;
             const RenderSettings settings = state.panes[std::min(pixel.pane, state.panes.size() - 1)].request.settings;
             walk_.ask(state.session, [which, pixel, settings](const SessionAccess& access) {
-                return follow(access, which, pixel, settings);
+                return follow_ray(access, which, pixel, settings);
             });
         }
         measure_next(state);
