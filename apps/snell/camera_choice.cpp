@@ -1,9 +1,14 @@
 #include "camera_choice.h"
 
+#include "names.h"
 #include "usage.h"
+
+#include "snell/io/calibration.h"
+#include "snell/scene/camera_models.h"
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 
 namespace snell::app {
@@ -28,8 +33,65 @@ void add_camera_options(Options& options, CameraChoice& choice)
     options.value("--up", "X,Y,Z", "Which way is up",
                   [&](const std::string& text) { choice.up = parse_vec3("--up", text); });
     options.value("--fov", "DEGREES", "Full angle of the picture's shorter side", [&](const std::string& text) {
-        choice.fov_degrees = static_cast<float>(parse_number("--fov", text, 0.001, 179.0));
+        choice.fov_degrees = static_cast<float>(parse_number("--fov", text, 0.001, 360.0));
     });
+    const auto length = [&](const char* option, const char* help, std::optional<float>& value) {
+        options.value(option, "X", help, [&value, option](const std::string& text) {
+            value = static_cast<float>(parse_number(option, text, 0.0, 1e9));
+        });
+    };
+    options.value("--camera-model", "NAME", "How it maps directions to the picture; `snell list` names the models",
+                  [&](const std::string& text) {
+                      std::vector<std::string> names;
+                      for (const CameraModelInfo& info : camera_models()) names.emplace_back(info.name);
+                      check_name("camera model", text, names);
+                      choice.model = find_camera_model(text)->kind;
+                  });
+    length("--lens-radius", "Of a thin lens, in the scene's units; 0: everything is sharp", choice.lens_radius);
+    length("--focus-distance", "Where a thin lens is sharp [as far as the target]", choice.focus_distance);
+    options.value("--blades", "N", "Corners of the lens's aperture; 0: it is round", [&](const std::string& text) {
+        choice.blades = static_cast<uint>(parse_number("--blades", text, 0.0, 100.0));
+    });
+    options.value("--blade-rotation", "DEGREES", "Turn the aperture counter-clockwise", [&](const std::string& text) {
+        choice.blade_rotation_degrees = static_cast<float>(parse_number("--blade-rotation", text, -3600.0, 3600.0));
+    });
+    options.value("--distortion", "K1,K2,...",
+                  "Coefficients: kannala-brandt 4; brown-conrady k1,k2,p1,p2[,k3[,k4,k5,k6]]; "
+                  "hmd 3, or 9 for red, green, blue",
+                  [&](const std::string& text) {
+                      const auto count = static_cast<std::size_t>(std::count(text.begin(), text.end(), ',')) + 1;
+                      choice.distortion.clear();
+                      for (const double k : parse_numbers("--distortion", text, count, "numbers, as in -0.2,0.05,0,0"))
+                          choice.distortion.push_back(static_cast<float>(k));
+                  });
+    options.value("--calibration", "FILE", "Model and coefficients from a calibration file of OpenCV (.yml .xml .json)",
+                  [&](const std::string& text) { choice.calibration = text; });
+    length("--ipd", "Distance between the eyes of an hmd [0.064]", choice.eye_distance);
+}
+
+// What the command line says of model and lens. Throws UsageError.
+static void choose_model(CameraDesc& camera, const CameraChoice& choice)
+{
+    CameraModel& m = camera.model;
+    if (!choice.calibration.empty()) {
+        if (choice.model && *choice.model != camera_kannala_brandt && *choice.model != camera_brown_conrady)
+            throw UsageError("--calibration: it is for the camera models kannala-brandt and brown-conrady");
+        m = load_calibration(choice.calibration, choice.model);
+        if (choice.fov_degrees) throw UsageError("--fov: the calibration says what the camera sees; leave one out");
+    }
+    if (choice.model && *choice.model != m.kind) {
+        m = CameraModel{};
+        m.kind = *choice.model;
+        if (m.kind != camera_orthographic) camera.fov_degrees = camera_models()[m.kind].usual_fov;
+    }
+    if (choice.lens_radius) m.lens_radius = *choice.lens_radius;
+    if (choice.focus_distance) m.focus_distance = *choice.focus_distance;
+    if (choice.blades) m.blades = *choice.blades;
+    if (choice.blade_rotation_degrees) m.blade_rotation_degrees = *choice.blade_rotation_degrees;
+    if (choice.eye_distance) m.eye_distance = *choice.eye_distance;
+    if (!choice.distortion.empty() && !set_distortion(m, choice.distortion))
+        throw UsageError(fmt::format("--distortion: {} numbers are not what the camera model {} takes; see --help",
+                                     choice.distortion.size(), camera_models()[m.kind].name));
 }
 
 void choose_camera(Scene& scene, const CameraChoice& choice, float aspect)
@@ -49,7 +111,9 @@ void choose_camera(Scene& scene, const CameraChoice& choice, float aspect)
     if (choice.target) camera.target = *choice.target;
     if (choice.up) camera.up = *choice.up;
     if (choice.eye || choice.target || choice.up) camera.node = {}; // it stands where it was put
+    choose_model(camera, choice);
     if (choice.fov_degrees) camera.fov_degrees = *choice.fov_degrees;
+    if (const std::string fault = camera_fault(camera); !fault.empty()) throw UsageError("the camera has " + fault);
 
     const vec3 view = camera.target - camera.eye;
     if (!(length(view) > 0.0f)) throw UsageError("--eye and --target are the same point; move one of them");

@@ -4,14 +4,12 @@
 #include "snell/kernel/path_state.h"
 #include "snell/render/integrator.h"
 #include "snell/render/settings.h"
+#include "snell/scene/camera_models.h"
 
 namespace snell {
 
 // Throws Error for an unknown sampler, an unknown parameter of the integrator, or a value that is none.
 RenderParams make_render_params(const RenderSettings& settings, const IntegratorInfo& integrator,
                                 const CameraDesc& camera, float scene_radius);
-
-// The camera of a picture of that size, in pixels.
-Camera make_camera(const CameraDesc& desc, int width, int height);
 
 } // namespace snell

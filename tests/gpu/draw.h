@@ -88,6 +88,28 @@ SNELL_FN_COLD Vertex draw_vertex()
     return v;
 }
 
+// Any model, with distortions that do not fold the picture.
+SNELL_FN_COLD Camera draw_camera_model(Camera pinhole)
+{
+    Camera c = pinhole;
+    c.model = index_below(camera_model_count);
+    c.lens_radius = c.model == camera_pinhole ? magnitude(1e-3f, 1.0f) : 0.0f;
+    c.focus_distance = magnitude(0.1f, 100.0f);
+    c.blades = index_below(9u);
+    c.blade_turn = unit();
+    c.eye_offset = magnitude(0.01f, 0.1f);
+    if (c.model != camera_pinhole && c.model != camera_orthographic) {
+        c.right = normalize(c.right);
+        c.up = normalize(c.up);
+    }
+    if (c.model == camera_hmd) c.center.x = 0.5f * c.center.x;
+    float size = 0.25f * min(c.width, c.height);
+    c.focal = vec2(size * range(0.3f, 1.0f), size * range(0.3f, 1.0f));
+    float k = c.model == camera_hmd ? 0.2f : 0.02f;
+    for (uint i = 0u; i < 9u; ++i) c.k[i] = range(0.0f, k);
+    return c;
+}
+
 SNELL_FN_COLD RenderParams draw_params()
 {
     vec3 eye = point(5.0f);
@@ -197,7 +219,16 @@ SNELL_FN void give_camera(Camera c)
     give(c.right);
     give(c.height);
     give(c.up);
+    give(c.model);
     give(c.forward);
+    give(c.lens_radius);
+    give(c.focus_distance);
+    give(c.blades);
+    give(c.blade_turn);
+    give(c.eye_offset);
+    give(c.focal);
+    give(c.center);
+    for (uint i = 0u; i < 9u; ++i) give(c.k[i]);
 }
 
 SNELL_END
