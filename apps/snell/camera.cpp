@@ -5,23 +5,16 @@
 #include "scene_choice.h"
 #include "usage.h"
 
-#include "snell/io/lens_file.h"
 #include "snell/lab/camera_lab.h"
-#include "snell/render/params.h"
-#include "snell/scene/builtin.h"
+#include "snell/scene/camera_models.h"
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
-
-#include <cmath>
-#include <limits>
 
 namespace snell::app {
 namespace {
 
 using Json = nlohmann::ordered_json;
-
-constexpr double film_35mm = 43.2666; // the diagonal of 36 mm x 24 mm
 
 struct Request
 {
@@ -30,8 +23,6 @@ struct Request
     std::pair<int, int> size{960, 640};
     int points = 13;
     bool json = false;
-    std::string lens; // of lens prescriptions; empty: the camera
-    double distance = std::numeric_limits<double>::infinity(), film = film_35mm, stop = 0;
 };
 
 Json number_or_null(std::optional<float> value)
@@ -44,23 +35,61 @@ std::string angle_in_words(std::optional<float> angle)
     return angle ? fmt::format("{:10.4f}", *angle) : fmt::format("{:>10}", "-");
 }
 
-void measure_camera(const Request& request)
+Json lens_json(const CameraModel& model, const FocusedLens& focused, const std::vector<VignettingPoint>& curve)
+{
+    const Cardinal c = cardinal(model.lens);
+    Json json;
+    json["name"] = model.lens.name;
+    json["surfaces"] = model.lens.surfaces.size();
+    json["focal_length_mm"] = c.focal_length, json["back_focus_mm"] = c.back_focus;
+    json["f_number"] = c.f_number(), json["length_mm"] = c.length;
+    json["entrance_pupil_mm"] = c.entrance_pupil;
+    json["film_distance_mm"] = focused.system.rear_z, json["film_diagonal_mm"] = model.film_diagonal;
+    json["vignetting"] = Json::array();
+    for (const VignettingPoint& p : curve)
+        json["vignetting"].push_back({{"radius_mm", p.radius},
+                                      {"angle_degrees", number_or_null(p.angle)},
+                                      {"light", p.light},
+                                      {"cos4", p.cos4}});
+    return json;
+}
+
+void print_lens(const CameraModel& model, const FocusedLens& focused, const std::vector<VignettingPoint>& curve)
+{
+    const Cardinal c = cardinal(model.lens);
+    fmt::print("\nlens           {}, {} surfaces, {:.2f} mm long\n", model.lens.name, model.lens.surfaces.size(),
+               c.length);
+    fmt::print("focal length   {:.3f} mm, f/{:.2f} fully open\n", c.focal_length, c.f_number());
+    fmt::print("back focus     {:.3f} mm; entrance pupil {:.3f} mm behind the front\n", c.back_focus, c.entrance_pupil);
+    fmt::print("film           {:.3f} mm behind the lens, {:.2f} mm across\n", focused.system.rear_z,
+               model.film_diagonal);
+    fmt::print("\nradius [mm]  angle [degrees]   light    cos^4\n");
+    for (const VignettingPoint& p : curve)
+        fmt::print("{:11.3f}  {:>15}  {:6.4f}  {:6.4f}\n", p.radius, angle_in_words(p.angle), p.light, p.cos4);
+}
+
+void measure(const Request& request)
 {
     SceneChoice choice = request.scene;
     if (choice.name.empty()) choice.name = "grid";
     Scene scene = open_chosen(choice);
     const auto [width, height] = request.size;
     choose_camera(scene, request.camera, static_cast<float>(width) / static_cast<float>(height));
-    const Camera camera = make_camera(scene.cameras.front(), width, height);
+    const CameraDesc& desc = scene.cameras.front();
+    const std::string_view model = camera_models()[desc.model.kind].name;
+    const ReadyCamera camera = make_camera(desc, width, height);
     const Bounds bounds = scene_bounds(scene);
     const float size = bounds.empty() ? 1.0f : std::max(0.5f * length(bounds.extent()), 1e-6f);
 
     const FieldOfView fov = field_of_view(camera);
     const RoundTrip trip = round_trip(camera, 101, size);
     const std::vector<CurvePoint> curve = distortion_curve(camera, request.points);
+    std::vector<VignettingPoint> dark;
+    if (camera.glass) dark = vignetting(camera.lens, request.points);
     if (request.json) {
         Json json;
-        json["camera"] = scene.cameras.front().name;
+        json["camera"] = desc.name;
+        json["model"] = model;
         json["width"] = width, json["height"] = height;
         json["fov_degrees"] = {{"horizontal", fov.horizontal}, {"vertical", fov.vertical}, {"diagonal", fov.diagonal}};
         json["round_trip"] = {{"worst_pixels", trip.worst},
@@ -71,9 +100,11 @@ void measure_camera(const Request& request)
         json["distortion"] = Json::array();
         for (const CurvePoint& p : curve)
             json["distortion"].push_back({{"radius_pixels", p.radius}, {"angle_degrees", number_or_null(p.angle)}});
+        if (camera.glass) json["lens"] = lens_json(desc.model, *camera.glass, dark);
         fmt::print("{}\n", json.dump(-1, ' ', false, Json::error_handler_t::replace));
         return;
     }
+    fmt::print("model          {}\n", model);
     fmt::print("picture        {} x {}\n", width, height);
     fmt::print("field of view  {:.3f} degrees across, {:.3f} down, {:.3f} from corner to corner\n", fov.horizontal,
                fov.vertical, fov.diagonal);
@@ -83,42 +114,7 @@ void measure_camera(const Request& request)
         fmt::print("; {:.1f}% of the picture sees nothing", static_cast<double>(trip.unseeing) / 102.01);
     fmt::print("\n\nradius [pixels]  angle [degrees]\n");
     for (const CurvePoint& p : curve) fmt::print("{:15.3f}  {:>15}\n", p.radius, angle_in_words(p.angle));
-}
-
-void measure_lens(const Request& request)
-{
-    const LensPrescription* known = find_lens(request.lens);
-    const LensPrescription lens = known != nullptr ? *known : load_lens(request.lens);
-    const Cardinal c = cardinal(lens);
-    const FocusedLens focused = focus_lens(lens, request.distance, request.film, request.stop);
-    const std::vector<VignettingPoint> curve = vignetting(focused.view(), request.points);
-    const double film = static_cast<double>(focused.system.rear_z);
-    if (request.json) {
-        Json json;
-        json["lens"] = lens.name;
-        json["surfaces"] = lens.surfaces.size();
-        json["focal_length_mm"] = c.focal_length, json["back_focus_mm"] = c.back_focus;
-        json["f_number"] = c.f_number(), json["length_mm"] = c.length;
-        json["entrance_pupil_mm"] = c.entrance_pupil;
-        json["film_distance_mm"] = film, json["film_diagonal_mm"] = request.film;
-        json["focus_distance_mm"] = std::isfinite(request.distance) ? Json(request.distance) : Json(nullptr);
-        json["vignetting"] = Json::array();
-        for (const VignettingPoint& p : curve)
-            json["vignetting"].push_back({{"radius_mm", p.radius},
-                                          {"angle_degrees", number_or_null(p.angle)},
-                                          {"light", p.light},
-                                          {"cos4", p.cos4}});
-        fmt::print("{}\n", json.dump(-1, ' ', false, Json::error_handler_t::replace));
-        return;
-    }
-    fmt::print("lens           {}, {} surfaces, {:.2f} mm long\n", lens.name, lens.surfaces.size(), c.length);
-    fmt::print("focal length   {:.3f} mm, f/{:.2f} fully open\n", c.focal_length, c.f_number());
-    fmt::print("back focus     {:.3f} mm; entrance pupil {:.3f} mm behind the front\n", c.back_focus, c.entrance_pupil);
-    fmt::print("film           {:.3f} mm behind the lens, {:.2f} mm across, sharp at {}\n", film, request.film,
-               std::isfinite(request.distance) ? fmt::format("{:g} mm", request.distance) : "infinity");
-    fmt::print("\nradius [mm]  angle [degrees]   light    cos^4\n");
-    for (const VignettingPoint& p : curve)
-        fmt::print("{:11.3f}  {:>15}  {:6.4f}  {:6.4f}\n", p.radius, angle_in_words(p.angle), p.light, p.cos4);
+    if (camera.glass) print_lens(desc.model, *camera.glass, dark);
 }
 
 } // namespace
@@ -126,11 +122,12 @@ void measure_lens(const Request& request)
 int run_camera(const Arguments& arguments)
 {
     Request r;
-    Options options("camera",
-                    "Measures a camera: field of view, distortion curve, and how exactly the way from the "
-                    "picture to the scene and back leads home. Or a lens: focal length and vignetting.",
-                    "Examples:\n  snell camera\n  snell camera cornell --fov 90 --size 640x480 --json\n"
-                    "  snell camera --lens double-gauss --focus 2000\n  snell camera --lens lenses/fisheye.txt\n");
+    Options options(
+        "camera",
+        "Measures a camera: field of view, distortion curve, and how exactly the way from the "
+        "picture to the scene and back leads home; of a lens, focal length and vignetting too.",
+        "Examples:\n  snell camera\n  snell camera cornell --fov 90 --size 640x480 --json\n"
+        "  snell camera --lens double-gauss --focus-distance 2\n  snell camera --lens lenses/fisheye.txt\n");
     options.positional(
         "SCENE", "Whose camera to measure: a file or a built-in scene [grid]",
         [&](const std::string& text) { r.scene.name = text; }, false);
@@ -141,21 +138,9 @@ int run_camera(const Arguments& arguments)
     });
     options.flag("--json", "Print one JSON object", [&] { r.json = true; });
     add_camera_options(options, r.camera);
-    options.group("Lens");
-    options.value("--lens", "NAME|FILE", "A lens prescription in the camera's stead: double-gauss, fisheye, or a file",
-                  [&](const std::string& text) { r.lens = text; });
-    options.value("--focus", "MM", "Where it is sharp, from its entrance pupil [infinity]",
-                  [&](const std::string& text) { r.distance = parse_number("--focus", text, 1e-3, 1e12); });
-    options.value("--film", "MM", "The film's diagonal [43.27, that of 35 mm film]",
-                  [&](const std::string& text) { r.film = parse_number("--film", text, 1e-3, 1e4); });
-    options.value("--stop", "MM", "The aperture stop's diameter [fully open]",
-                  [&](const std::string& text) { r.stop = parse_number("--stop", text, 1e-3, 1e4); });
     if (const auto code = options.parse(arguments)) return *code;
 
-    if (r.lens.empty())
-        measure_camera(r);
-    else
-        measure_lens(r);
+    measure(r);
     return 0;
 }
 

@@ -4,12 +4,15 @@
 #include "usage.h"
 
 #include "snell/io/calibration.h"
+#include "snell/io/lens_file.h"
 #include "snell/scene/camera_models.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 
 namespace snell::app {
 
@@ -35,22 +38,28 @@ void add_camera_options(Options& options, CameraChoice& choice)
     options.value("--fov", "DEGREES", "Full angle of the picture's shorter side", [&](const std::string& text) {
         choice.fov_degrees = static_cast<float>(parse_number("--fov", text, 0.001, 360.0));
     });
-    const auto length = [&](const char* option, const char* help, std::optional<float>& value) {
-        options.value(option, "X", help, [&value, option](const std::string& text) {
-            value = static_cast<float>(parse_number(option, text, 0.0, 1e9));
+    const auto length = [&](const char* option, const char* unit, const char* help, double least,
+                            std::optional<float>& value) {
+        options.value(option, unit, help, [&value, option, least](const std::string& text) {
+            value = static_cast<float>(parse_number(option, text, least, 1e9));
         });
     };
     options.value("--camera-model", "NAME", "How it maps directions to the picture; `snell list` names the models",
                   [&](const std::string& text) {
                       std::vector<std::string> names;
                       for (const CameraModelInfo& info : camera_models()) names.emplace_back(info.name);
+                      names.emplace_back("rectilinear");
                       check_name("camera model", text, names);
                       choice.model = find_camera_model(text)->kind;
                   });
-    length("--lens-radius", "Of a thin lens, in the scene's units; 0: everything is sharp", choice.lens_radius);
-    length("--focus-distance", "Where a thin lens is sharp [as far as the target]", choice.focus_distance);
+    length("--view-size", "X", "Orthographic: what the picture's shorter side shows, in the scene's units", 1e-9,
+           choice.view_size);
+    length("--lens-radius", "X", "Of a thin lens, in the scene's units; 0: everything is sharp", 0.0,
+           choice.lens_radius);
+    length("--focus-distance", "X", "Where a thin or traced lens is sharp, in the scene's units [at the target]", 1e-9,
+           choice.focus_distance);
     options.value("--blades", "N", "Corners of the lens's aperture; 0: it is round", [&](const std::string& text) {
-        choice.blades = static_cast<uint>(parse_number("--blades", text, 0.0, 100.0));
+        choice.blades = static_cast<uint>(parse_integer("--blades", text, 0, 100));
     });
     options.value("--blade-rotation", "DEGREES", "Turn the aperture counter-clockwise", [&](const std::string& text) {
         choice.blade_rotation_degrees = static_cast<float>(parse_number("--blade-rotation", text, -3600.0, 3600.0));
@@ -66,7 +75,26 @@ void add_camera_options(Options& options, CameraChoice& choice)
                   });
     options.value("--calibration", "FILE", "Model and coefficients from a calibration file of OpenCV (.yml .xml .json)",
                   [&](const std::string& text) { choice.calibration = text; });
-    length("--ipd", "Distance between the eyes of an hmd [0.064]", choice.eye_distance);
+    length("--ipd", "X", "Distance between the eyes of an hmd or a stereo pair, in the scene's units [0.064]", 0.0,
+           choice.eye_distance);
+    options.value("--lens", "NAME|FILE", "Look through the glass of a lens: double-gauss, fisheye, or a prescription",
+                  [&](const std::string& text) { choice.lens = text; });
+    length("--film", "MM", "The film's diagonal behind it [43.27, that of 35 mm film]", 1e-3, choice.film_diagonal);
+    length("--stop", "MM", "Its aperture stop's diameter [fully open]", 1e-3, choice.stop_diameter);
+    length("--lens-unit", "X", "A millimetre of it in the scene's units [0.001]", 1e-12, choice.millimetre);
+}
+
+static LensPrescription chosen_lens(const std::string& name)
+{
+    if (const LensPrescription* known = find_lens(name)) return *known;
+    std::error_code code;
+    if (!std::filesystem::exists(name, code)) {
+        std::vector<std::string> names;
+        for (const LensPrescription& lens : known_lenses()) names.push_back(lens.name);
+        throw UsageError(
+            fmt::format("--lens: there is no lens '{}', and no file; there are {}", name, fmt::join(names, ", ")));
+    }
+    return load_lens(name);
 }
 
 // What the command line says of model and lens. Throws UsageError.
@@ -79,11 +107,33 @@ static void choose_model(CameraDesc& camera, const CameraChoice& choice)
         m = load_calibration(choice.calibration, choice.model);
         if (choice.fov_degrees) throw UsageError("--fov: the calibration says what the camera sees; leave one out");
     }
-    if (choice.model && *choice.model != m.kind) {
-        m = CameraModel{};
-        m.kind = *choice.model;
+    if (!choice.lens.empty() && choice.model.value_or(camera_lens) != camera_lens)
+        throw UsageError("--lens: it is for the camera model lens; leave out one of the two");
+    const std::optional<uint> kind = choice.lens.empty() ? choice.model : camera_lens;
+    if (kind && *kind != m.kind) {
+        m = usual_model(*kind);
         if (m.kind != camera_orthographic) camera.fov_degrees = camera_models()[m.kind].usual_fov;
     }
+    const auto only_for = [&](bool is_given, uint model, const char* option) {
+        if (is_given && m.kind != model)
+            throw UsageError(fmt::format("{}: it is for the camera model {}, and this is {}", option,
+                                         camera_models()[model].name, camera_models()[m.kind].name));
+    };
+    only_for(choice.view_size.has_value(), camera_orthographic, "--view-size");
+    only_for(choice.film_diagonal.has_value(), camera_lens, "--film");
+    only_for(choice.stop_diameter.has_value(), camera_lens, "--stop");
+    only_for(choice.millimetre.has_value(), camera_lens, "--lens-unit");
+    only_for(choice.eye_distance && !choice.is_stereo, camera_hmd, "--ipd");
+    if (choice.is_stereo && m.kind == camera_hmd)
+        throw UsageError("--stereo: the camera model hmd has both eyes in its picture; leave it out");
+    if (choice.fov_degrees && m.kind == camera_lens)
+        throw UsageError("--fov: lens and film say what the camera sees; leave it out");
+    if (!choice.lens.empty()) m.lens = chosen_lens(choice.lens);
+    if (choice.film_diagonal) m.film_diagonal = *choice.film_diagonal;
+    if (choice.stop_diameter) m.stop_diameter = *choice.stop_diameter;
+    if (choice.millimetre) m.millimetre = *choice.millimetre;
+    if (choice.fov_degrees) m.half_side = 0.0f;
+    if (choice.view_size) m.half_side = 0.5f * *choice.view_size;
     if (choice.lens_radius) m.lens_radius = *choice.lens_radius;
     if (choice.focus_distance) m.focus_distance = *choice.focus_distance;
     if (choice.blades) m.blades = *choice.blades;

@@ -17,10 +17,13 @@ struct CameraChoice
     std::optional<vec3> eye, target, up;
     std::optional<float> fov_degrees;
     std::optional<uint> model; // camera_*
-    std::optional<float> lens_radius, focus_distance, blade_rotation_degrees, eye_distance;
+    std::optional<float> lens_radius, focus_distance, blade_rotation_degrees, eye_distance, view_size;
     std::optional<uint> blades;
     std::vector<float> distortion;
     std::string calibration; // a file of OpenCV's
+    std::string lens;        // a lens's name, or a file of its prescription
+    std::optional<float> film_diagonal, stop_diameter, millimetre;
+    bool is_stereo = false; // the picture is for two eyes, whatever the model
 };
 
 // --camera, --eye, --target, --up, --fov, and what its model and lens are.

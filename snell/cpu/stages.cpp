@@ -21,8 +21,8 @@ void generate_stage(const StageContext& context, Batch& batch, const Region& til
                                                              first_sample + s, slot);
                 if (camera_sees(path.ray))
                     batch.paths.push(path);
-                else
-                    batch.slots[slot].sees_through = 1u; // outside the camera's picture: black and transparent
+                else if (context.params.camera.model != camera_lens) // whose rims are black, not transparent
+                    batch.slots[slot].sees_through = 1u;
             }
     batch.stats.camera_rays += slot;
     batch.stats.generate_seconds += timer.seconds();

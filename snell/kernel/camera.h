@@ -3,6 +3,7 @@
 #define SNELL_KERNEL_CAMERA_H
 #include "snell/kernel/camera_lens.h"
 #include "snell/kernel/camera_projection.h"
+#include "snell/kernel/lens_system.h"
 #include "snell/kernel/ray.h"
 SNELL_BEGIN
 
@@ -16,8 +17,9 @@ SNELL_CONST uint camera_stereographic = 5u;        // R = 2 f tan(theta / 2),
 SNELL_CONST uint camera_fisheye_orthographic = 6u; // R = f sin(theta)
 SNELL_CONST uint camera_kannala_brandt = 7u;       // OpenCV's fisheye model
 SNELL_CONST uint camera_brown_conrady = 8u;        // OpenCV's model of lenses that are no fisheyes
-SNELL_CONST uint camera_hmd = 9u; // two eyes side by side, through the lenses of a head-mounted display
-SNELL_CONST uint camera_model_count = 10u;
+SNELL_CONST uint camera_hmd = 9u;   // two eyes side by side, through the lenses of a head-mounted display
+SNELL_CONST uint camera_lens = 10u; // through the glass of a photographic lens: lens_system.h
+SNELL_CONST uint camera_model_count = 11u;
 
 struct Camera
 {
@@ -28,16 +30,18 @@ struct Camera
     vec3 up; // likewise, of the height
     uint model;
     vec3 forward;         // unit length
-    float lens_radius;    // of a thin lens; 0: everything is sharp
+    float lens_radius;    // of a thin lens; 0: everything is sharp. Any other model has 0
     float focus_distance; // along `forward`
     uint blades;          // of the aperture; fewer than 3: a circle
     float blade_turn;     // of the first corner from `right`, in full turns counter-clockwise
     float eye_offset;     // half the distance between the eyes, along the unit vector of `right`
-    vec2 focal;  // pixels per unit of the model's picture plane; all but pinhole, orthographic, equirectangular
+    vec2 focal;  // pixels per unit of the model's picture plane (lens: per millimetre of film); all but the first three
     vec2 center; // where the axis meets the picture, in pixels; of an eye: from the left edge of its half
     float k[9];  // Kannala-Brandt: k1 to k4. Brown-Conrady: k1 to k6, p1, p2. HMD: k1 to k3 of red, green and blue
+    uint pad0;
+    LensSystem lens; // of camera_lens; else it has no table
 };
-SNELL_LAYOUT(Camera, 132)
+SNELL_LAYOUT(Camera, 176)
 
 // Colours of HMDs: what `channel` may be. The others see green alike.
 SNELL_CONST uint camera_green = 1u;
@@ -64,6 +68,8 @@ SNELL_FN_COLD Camera make_pinhole(vec3 eye, vec3 target, vec3 up, float tan_half
     camera.focal = vec2(1.0f, 1.0f);
     camera.center = vec2(0.5f * width, 0.5f * height);
     for (uint i = 0u; i < 9u; ++i) camera.k[i] = 0.0f;
+    camera.pad0 = 0u;
+    camera.lens = no_lens();
     return camera;
 }
 
@@ -97,7 +103,7 @@ SNELL_FN vec3 hmd_of(SNELL_IN(Camera) camera, uint channel)
     return vec3(camera.k[3u * channel], camera.k[3u * channel + 1u], camera.k[3u * channel + 2u]);
 }
 
-// Where a point of the picture looks, of all models but pinhole and orthographic: x right, y up, z forward, unit
+// Where a point of the picture looks, of all models but pinhole, orthographic and lens: x right, y up, z forward, unit
 // length. (0, 0, 0): nowhere, it lies outside the circle of the picture.
 SNELL_FN_COLD vec3 camera_look(SNELL_IN(Camera) camera, vec2 pixel, uint channel)
 {
@@ -128,8 +134,39 @@ SNELL_FN_COLD vec3 camera_look(SNELL_IN(Camera) camera, vec2 pixel, uint channel
     return vec3(m.x * s, m.y * s, cos(theta));
 }
 
+// The film of a lens sees the world upside down: where on it the picture's point lies, in millimetres from the axis.
+SNELL_FN vec2 camera_film_point(SNELL_IN(Camera) camera, vec2 pixel)
+{
+    return vec2((camera.center.x - pixel.x) / camera.focal.x, (pixel.y - camera.center.y) / camera.focal.y);
+}
+
+// A ray that has left a lens, in the scene: the camera's origin is the middle of the entrance pupil. A blocked one hits
+// nothing.
+SNELL_FN Ray camera_ray_of_lens(SNELL_IN(Camera) camera, LensRay r)
+{
+    if (!(r.weight > 0.0f)) return make_ray(camera.origin, camera.forward, -1.0f);
+    vec3 o = camera.lens.unit * vec3(r.origin.x, r.origin.y, r.origin.z - camera.lens.entrance_z);
+    vec3 origin = camera.origin + o.x * camera.right + o.y * camera.up + o.z * camera.forward;
+    vec3 d = r.direction.x * camera.right + r.direction.y * camera.up + r.direction.z * camera.forward;
+    return make_ray(origin, normalize(d), infinity());
+}
+
+// The chief ray of any point of the film; weight 0: blocked.
+SNELL_FN_COLD LensRay camera_chief_ray(SNELL_IN(Camera) camera, vec2 film)
+{
+    float r = length(film);
+    vec2 axis = r > 0.0f ? film / r : vec2(1.0f, 0.0f);
+    LensRay ray = lens_chief_ray(camera.lens, r);
+    vec3 o = ray.origin;
+    vec3 d = ray.direction;
+    ray.origin = vec3(axis.x * o.x - axis.y * o.y, axis.y * o.x + axis.x * o.y, o.z);
+    ray.direction = vec3(axis.x * d.x - axis.y * d.y, axis.y * d.x + axis.x * d.y, d.z);
+    return ray;
+}
+
 // The ray through a point of the picture in pixels: (0, 0) is the upper left corner of the upper left pixel. lens:
-// where it passes the lens, from its centre, in radii. It hits nothing (t_max < 0) where the picture sees nothing.
+// where it passes a thin lens, from its centre, in radii; a traced one it passes in the middle. It hits nothing (t_max
+// < 0) where the picture sees nothing.
 SNELL_FN Ray camera_ray_through(SNELL_IN(Camera) camera, vec2 pixel, vec2 lens, uint channel)
 {
     float x = 2.0f * pixel.x / camera.width - 1.0f;
@@ -142,6 +179,8 @@ SNELL_FN Ray camera_ray_through(SNELL_IN(Camera) camera, vec2 pixel, vec2 lens, 
     }
     if (camera.model == camera_orthographic)
         return make_ray(camera.origin + x * camera.right + y * camera.up, camera.forward, infinity());
+    if (camera.model == camera_lens)
+        return camera_ray_of_lens(camera, camera_chief_ray(camera, camera_film_point(camera, pixel)));
     vec3 look = camera_look(camera, pixel, channel);
     if (is_black(look)) return make_ray(camera.origin, camera.forward, -1.0f);
     float side = camera_eye(camera, pixel.x) == 1u ? camera.eye_offset : -camera.eye_offset;
@@ -156,21 +195,52 @@ SNELL_FN Ray camera_ray(SNELL_IN(Camera) camera, vec2 pixel)
     return camera_ray_through(camera, pixel, vec2(0.0f, 0.0f), camera_green);
 }
 
-// Whether the eyes of an HMD see the three colours in different places: each sample then has one of them.
-SNELL_FN bool camera_disperses(SNELL_IN(Camera) camera)
-{
-    vec3 green = hmd_of(camera, 1u);
-    return camera.model == camera_hmd &&
-           !(is_black(hmd_of(camera, 0u) - green) && is_black(hmd_of(camera, 2u) - green));
-}
-
 SNELL_FN bool camera_sees(SNELL_IN(Ray) ray)
 {
     return ray.t_max >= 0.0f;
 }
 
+// A ray and what the light along it counts for.
+struct CameraSample
+{
+    Ray ray;      // !camera_sees(): there is none
+    float weight; // 1, but for a traced lens: there the mean is 1 in the middle of the film, and 0 is no light
+};
+
+// A sample of what arrives at a point of the picture. u: where it passes the lens, uniform in the unit square.
+SNELL_FN CameraSample sample_camera(SNELL_IN(Camera) camera, vec2 pixel, vec2 u, uint channel)
+{
+    CameraSample s;
+    s.weight = 1.0f;
+    if (camera.model == camera_lens) {
+        LensRay r = sample_lens(camera.lens, camera_film_point(camera, pixel), u);
+        s.weight = r.weight;
+        s.ray = camera_ray_of_lens(camera, r);
+        return s;
+    }
+    vec2 lens = vec2(0.0f, 0.0f);
+    if (camera.lens_radius > 0.0f) lens = sample_aperture(camera.blades, camera.blade_turn, u);
+    s.ray = camera_ray_through(camera, pixel, lens, channel);
+    if (!camera_sees(s.ray)) s.weight = 0.0f;
+    return s;
+}
+
+// Whether rays spread over a lens, so that samples need a place on it.
+SNELL_FN bool camera_has_lens(SNELL_IN(Camera) camera)
+{
+    return camera.lens_radius > 0.0f || camera.model == camera_lens;
+}
+
+// Whether the eyes of an HMD see the three colours in different places: each sample then has one of them.
+SNELL_FN bool camera_disperses(SNELL_IN(Camera) camera)
+{
+    if (camera.model != camera_hmd) return false;
+    vec3 green = hmd_of(camera, 1u);
+    return !is_black(hmd_of(camera, 0u) - green) || !is_black(hmd_of(camera, 2u) - green);
+}
+
 // Where in the picture a direction (x right, y up, z forward, not 0) is seen: pixels. Not visible: z of the result is
-// 0, else 1. For all models but pinhole and orthographic; of an HMD: from the left edge of the eye's half.
+// 0, else 1. For all models but pinhole, orthographic and lens; of an HMD: from the left edge of the eye's half.
 SNELL_FN_COLD vec3 camera_find(SNELL_IN(Camera) camera, vec3 d, uint channel)
 {
     float across = sqrt(d.x * d.x + d.y * d.y);
@@ -208,6 +278,18 @@ SNELL_FN_COLD vec3 camera_find(SNELL_IN(Camera) camera, vec3 d, uint channel)
     return vec3(camera.center.x + m.x * camera.focal.x, camera.center.y - m.y * camera.focal.y, 1.0f);
 }
 
+// Where the chief ray of a traced lens passes a point, d from its entrance pupil: pixels. z of the result: 0 not
+// visible, else 1.
+SNELL_FN_COLD vec3 camera_find_in_lens(SNELL_IN(Camera) camera, vec3 d)
+{
+    vec3 p = vec3(dot(d, camera.right), dot(d, camera.up), dot(d, camera.forward)) / camera.lens.unit;
+    float aside = sqrt(p.x * p.x + p.y * p.y);
+    float r = lens_film_radius(camera.lens, aside, p.z + camera.lens.entrance_z);
+    if (r < 0.0f) return vec3(0.0f);
+    float s = aside > 0.0f ? r / aside : 0.0f;
+    return vec3(camera.center.x + p.x * s * camera.focal.x, camera.center.y - p.y * s * camera.focal.y, 1.0f);
+}
+
 // The inverse: where in the picture a world point appears (through the centre of the lens), and its depth along the
 // view axis, or its distance from models that look to all sides; depth <= 0: it is not seen. eye: of an HMD, 0 left, 1
 // right; else 0.
@@ -223,7 +305,11 @@ SNELL_FN vec3 camera_project_eye(SNELL_IN(Camera) camera, vec3 point, uint eye, 
     }
     if (camera.model == camera_hmd) d = d - (eye == 1u ? camera.eye_offset : -camera.eye_offset) * camera.right;
     if (is_black(d)) return vec3(0.0f);
-    vec3 at = camera_find(camera, vec3(dot(d, camera.right), dot(d, camera.up), dot(d, camera.forward)), channel);
+    vec3 at;
+    if (camera.model == camera_lens)
+        at = camera_find_in_lens(camera, d);
+    else
+        at = camera_find(camera, vec3(dot(d, camera.right), dot(d, camera.up), dot(d, camera.forward)), channel);
     if (at.z == 0.0f) return vec3(0.0f);
     float left = eye == 1u ? 0.5f * camera.width : 0.0f;
     if (camera.model == camera_hmd && (at.x < 0.0f || at.x >= 0.5f * camera.width)) return vec3(0.0f);

@@ -5,6 +5,12 @@
 #include "snell/kernel/lang.h"
 SNELL_BEGIN
 
+// asin(x) for x in [0, 1]. GLSL's own may be off by 1e-3.
+SNELL_FN float arc_sine(float x)
+{
+    return atan(x, safe_sqrt((1.0f - x) * (1.0f + x)));
+}
+
 // Fisheyes (Miyamoto 1964, Fish Eye Lens).
 SNELL_FN float equidistant_angle(float r)
 {
@@ -12,7 +18,7 @@ SNELL_FN float equidistant_angle(float r)
 }
 SNELL_FN float equisolid_angle(float r)
 {
-    return r <= 2.0f ? 2.0f * asin(0.5f * r) : -1.0f;
+    return r <= 2.0f ? 2.0f * arc_sine(0.5f * r) : -1.0f;
 }
 SNELL_FN float stereographic_angle(float r)
 {
@@ -25,7 +31,7 @@ SNELL_FN float stereographic_radius(float theta)
 }
 SNELL_FN float fisheye_orthographic_angle(float r)
 {
-    return r <= 1.0f ? asin(r) : -1.0f;
+    return r <= 1.0f ? arc_sine(r) : -1.0f;
 }
 SNELL_FN float fisheye_orthographic_radius(float theta)
 {

@@ -28,7 +28,7 @@ struct RenderParams
     float distance;    // ambient occlusion: how far a surface shades another
     float max_steps;   // traversal heat map: steps at the hot end of the scale
 };
-SNELL_LAYOUT(RenderParams, 164)
+SNELL_LAYOUT(RenderParams, 208)
 
 // Which part of a pixel's value a contribution belongs to.
 SNELL_CONST uint layer_emission = 0u; // emitters seen directly
@@ -72,7 +72,7 @@ SNELL_FN SampleKey state_key(SNELL_IN(RenderParams) params, SNELL_IN(PathState) 
     return key;
 }
 
-// Random dimensions: pair 0 is the position in the pixel, 1 is kept for the lens; each vertex has four from 2 on.
+// Random dimensions: pair 0 is the position in the pixel, 1 the point on the lens; each vertex has four from 2 on.
 SNELL_CONST uint dimension_bsdf = 0u;   // direction
 SNELL_CONST uint dimension_lobe = 1u;   // x: part of the BSDF; y: roulette
 SNELL_CONST uint dimension_light = 2u;  // point on the light
@@ -120,11 +120,10 @@ SNELL_FN CameraPath generate_camera_path(SNELL_IN(RenderParams) params, uint x, 
         path.state.channel = channel;
         path.state.throughput = one_color(channel);
     }
-    vec2 lens = vec2(0.0f, 0.0f);
-    if (params.camera.lens_radius > 0.0f)
-        lens = sample_aperture(params.camera.blades, params.camera.blade_turn, random_2d(key, 1u));
-    path.ray = camera_ray_through(params.camera, vec2(float(x), float(y)) + jitter, lens, channel);
-    if (!camera_sees(path.ray)) path.state.throughput = vec3(0.0f);
+    vec2 on_lens = camera_has_lens(params.camera) ? random_2d(key, 1u) : vec2(0.5f, 0.5f);
+    CameraSample seen = sample_camera(params.camera, vec2(float(x), float(y)) + jitter, on_lens, channel);
+    path.ray = seen.ray;
+    path.state.throughput = seen.weight * path.state.throughput;
     path.state.slot = slot;
     path.state.pdf = 0.0f;
     path.state.eta_scale = 1.0f;

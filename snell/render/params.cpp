@@ -53,8 +53,8 @@ static void check_keys(const RenderSettings& settings, const IntegratorInfo& int
     }
 }
 
-RenderParams make_render_params(const RenderSettings& settings, const IntegratorInfo& integrator,
-                                const CameraDesc& camera, float scene_radius)
+ReadyParams make_render_params(const RenderSettings& settings, const IntegratorInfo& integrator,
+                               const CameraDesc& camera, float scene_radius)
 {
     check_keys(settings, integrator);
     const auto value = [&](const std::string& key, auto otherwise, auto parse) {
@@ -62,7 +62,7 @@ RenderParams make_render_params(const RenderSettings& settings, const Integrator
         return found == settings.parameters.end() ? otherwise : parse(key, found->second);
     };
 
-    RenderParams params{};
+    ReadyParams params{};
     params.width = static_cast<uint>(settings.width);
     params.height = static_cast<uint>(settings.height);
     params.seed = settings.seed;
@@ -93,7 +93,9 @@ RenderParams make_render_params(const RenderSettings& settings, const Integrator
         throw Error("the camera has no direction: eye and target coincide, or up is parallel to the view",
                     "give other values with --eye, --target or --up");
     if (const std::string fault = camera_fault(camera); !fault.empty()) throw Error("the camera has " + fault);
-    params.camera = make_camera(camera, settings.width, settings.height);
+    const ReadyCamera ready = make_camera(camera, settings.width, settings.height);
+    params.camera = ready;
+    params.glass = ready.glass;
     return params;
 }
 

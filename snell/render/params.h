@@ -8,8 +8,14 @@
 
 namespace snell {
 
+// What paths have in common, and what its camera points to.
+struct ReadyParams : RenderParams
+{
+    std::shared_ptr<const FocusedLens> glass; // ReadyCamera::glass
+};
+
 // Throws Error for an unknown sampler, an unknown parameter of the integrator, or a value that is none.
-RenderParams make_render_params(const RenderSettings& settings, const IntegratorInfo& integrator,
-                                const CameraDesc& camera, float scene_radius);
+ReadyParams make_render_params(const RenderSettings& settings, const IntegratorInfo& integrator,
+                               const CameraDesc& camera, float scene_radius);
 
 } // namespace snell

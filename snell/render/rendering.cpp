@@ -1,7 +1,6 @@
 #include "snell/render/rendering.h"
 
 #include "snell/core/error.h"
-#include "snell/render/params.h"
 #include "snell/render/suggestion.h"
 
 #include <algorithm>

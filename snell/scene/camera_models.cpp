@@ -1,10 +1,12 @@
 #include "snell/scene/camera_models.h"
 
-#include <fmt/format.h>
+#include "snell/core/error.h"
 
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <deque>
+#include <mutex>
 #include <numbers>
 
 namespace snell {
@@ -22,6 +24,7 @@ static constexpr std::array<CameraModelInfo, camera_model_count> models = {{
     {camera_brown_conrady, "brown-conrady", "OpenCV's radial and tangential distortion of a rectilinear lens", 60.0f,
      180.0f},
     {camera_hmd, "hmd", "two eyes side by side, distorted against the lenses of a head-mounted display", 90.0f, 180.0f},
+    {camera_lens, "lens", "rays traced through the glass of a photographic lens", 40.0f, 180.0f},
 }};
 
 std::span<const CameraModelInfo> camera_models()
@@ -31,8 +34,28 @@ std::span<const CameraModelInfo> camera_models()
 
 const CameraModelInfo* find_camera_model(std::string_view name)
 {
+    if (name == "rectilinear") name = "pinhole";
     const auto found = std::find_if(models.begin(), models.end(), [&](const auto& m) { return m.name == name; });
     return found == models.end() ? nullptr : &*found;
+}
+
+CameraModel usual_model(uint kind)
+{
+    CameraModel m;
+    m.kind = kind;
+    if (kind == camera_lens) m.lens = *find_lens("double-gauss");
+    return m;
+}
+
+CameraDesc stereo_eye(const CameraDesc& camera, uint eye)
+{
+    const Camera both = make_pinhole(camera.eye, camera.target, camera.up, 1.0f, 1.0f, 1.0f);
+    const bool to_the_right = (eye == 1u) != camera.mirrored;
+    const vec3 shift = (to_the_right ? 0.5f : -0.5f) * camera.model.eye_distance * normalize(both.right);
+    CameraDesc one = camera;
+    one.eye += shift, one.target += shift;
+    one.node = {};
+    return one;
 }
 
 // Radius of the model's picture plane at half the field of view; negative: there is none.
@@ -63,6 +86,60 @@ static float edge_radius(const CameraModel& m, float half_fov)
     }
 }
 
+// Focusing takes tens of milliseconds, and cameras are made anew for every picture and every click: the last few are
+// kept. distance: in the scene's units. Throws Error as focus_lens() does.
+static std::shared_ptr<const FocusedLens> focused(const CameraModel& m, float distance)
+{
+    struct Entry
+    {
+        LensPrescription lens;
+        std::array<float, 4> numbers;
+        std::shared_ptr<const FocusedLens> glass;
+    };
+    static std::mutex mutex;
+    static std::deque<Entry> kept; // the last used one first
+    constexpr std::size_t most = 8;
+
+    const std::array<float, 4> numbers = {distance, m.film_diagonal, m.stop_diameter, m.millimetre};
+    const auto same = [&](const Entry& e) { return e.numbers == numbers && e.lens == m.lens; };
+    {
+        const std::lock_guard lock(mutex);
+        if (const auto found = std::find_if(kept.begin(), kept.end(), same); found != kept.end()) {
+            std::rotate(kept.begin(), found, found + 1);
+            return kept.front().glass;
+        }
+    }
+    // Not while the lock is held: it works in parallel, and who waits for that may be given a task that comes here.
+    auto glass = std::make_shared<const FocusedLens>(
+        focus_lens(m.lens, static_cast<double>(distance / m.millimetre), static_cast<double>(m.film_diagonal),
+                   static_cast<double>(m.stop_diameter), static_cast<double>(m.millimetre)));
+    const std::lock_guard lock(mutex);
+    kept.push_front({m.lens, numbers, glass});
+    if (kept.size() > most) kept.pop_back();
+    return glass;
+}
+
+// Where thin and traced lenses are sharp.
+static float focus_of(const CameraDesc& camera)
+{
+    return camera.model.focus_distance > 0.0f ? camera.model.focus_distance : length(camera.target - camera.eye);
+}
+
+static std::string lens_fault(const CameraDesc& camera)
+{
+    const CameraModel& m = camera.model;
+    const auto is_size = [](float x) { return std::isfinite(x) && x > 0.0f; };
+    if (m.lens.surfaces.empty()) return "no lens to look through; name one";
+    if (!is_size(m.film_diagonal) || !is_size(m.millimetre) || !(m.stop_diameter == 0.0f || is_size(m.stop_diameter)))
+        return "a film, an aperture stop or a unit of length that is not positive; give millimetres";
+    try {
+        focused(m, focus_of(camera));
+    } catch (const Error& error) {
+        return fmt::format("a lens that makes no picture: {}", error.what());
+    }
+    return {};
+}
+
 std::string camera_fault(const CameraDesc& camera)
 {
     const CameraModel& m = camera.model;
@@ -73,11 +150,13 @@ std::string camera_fault(const CameraDesc& camera)
         return fmt::format("a field of view of {:g} degrees; for {} it must lie between 0 and {:.0f}", fov, info.name,
                            info.largest_fov);
     const auto is_length = [](float x) { return std::isfinite(x) && x >= 0.0f; };
-    if (!is_length(m.lens_radius) || !is_length(m.focus_distance) || !is_length(m.eye_distance))
-        return "a lens radius, focus distance or distance between the eyes that is negative or not finite; give "
+    if (!is_length(m.lens_radius) || !is_length(m.focus_distance) || !is_length(m.eye_distance) ||
+        !is_length(m.half_side))
+        return "a lens radius, focus distance, size or distance between the eyes that is negative or not finite; give "
                "lengths";
     if (m.lens_radius > 0.0f && m.kind != camera_pinhole)
         return fmt::format("a lens radius with the camera model {}; only pinhole has a thin lens", info.name);
+    if (m.kind == camera_lens) return lens_fault(camera);
     for (const float k : m.k)
         if (!std::isfinite(k)) return "a distortion coefficient that is not finite; give numbers";
     if (m.calibrated_width != 0.0f) {
@@ -125,29 +204,38 @@ std::vector<float> distortion_of(const CameraModel& model)
     return c;
 }
 
-Camera make_camera(const CameraDesc& desc, int width, int height)
+ReadyCamera make_camera(const CameraDesc& desc, int width, int height)
 {
     const CameraModel& m = desc.model;
     const float half_fov = desc.fov_degrees * std::numbers::pi_v<float> / 360.0f;
     const float w = static_cast<float>(width), h = static_cast<float>(height);
     const bool is_flat = m.kind == camera_pinhole || m.kind == camera_orthographic;
-    Camera camera = make_pinhole(desc.eye, desc.target, desc.up, is_flat ? std::tan(half_fov) : 1.0f, w, h);
+    ReadyCamera camera{make_pinhole(desc.eye, desc.target, desc.up, is_flat ? std::tan(half_fov) : 1.0f, w, h),
+                       nullptr};
     if (desc.mirrored) camera.right = -camera.right;
     camera.model = m.kind;
-    const float distance = length(desc.target - desc.eye);
     camera.lens_radius = m.lens_radius;
-    camera.focus_distance = m.focus_distance > 0.0f ? m.focus_distance : distance;
+    camera.focus_distance = focus_of(desc);
     camera.blades = m.blades;
     const float turn = m.blade_rotation_degrees / 360.0f;
     camera.blade_turn = turn - std::floor(turn);
     if (camera.blade_turn >= 1.0f) camera.blade_turn = 0.0f;
     camera.eye_offset = 0.5f * m.eye_distance;
     std::copy(m.k.begin(), m.k.end(), camera.k);
-    if (m.kind == camera_orthographic) camera.right *= distance, camera.up *= distance;
+    if (m.kind == camera_orthographic) {
+        const float scale = m.half_side > 0.0f ? m.half_side / std::tan(half_fov) : length(desc.target - desc.eye);
+        camera.right *= scale, camera.up *= scale;
+    }
     if (is_flat) return camera;
 
     camera.right = normalize(camera.right);
     camera.up = normalize(camera.up);
+    if (m.kind == camera_lens) {
+        camera.glass = focused(m, camera.focus_distance);
+        camera.lens = camera.glass->view();
+        camera.focal = vec2(std::sqrt(w * w + h * h) / m.film_diagonal);
+        return camera;
+    }
     if (m.calibrated_width > 0.0f) {
         const vec2 scale(w / m.calibrated_width, h / m.calibrated_height);
         camera.focal = m.focal * scale;
