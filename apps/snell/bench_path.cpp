@@ -44,7 +44,7 @@ static std::vector<PathContender> contenders_of(const Prepared& prepared, const 
 
 PathFigures measure_paths(const Prepared& prepared, const RenderSettings& settings, int runs)
 {
-    const RenderParams params =
+    const ReadyParams params =
         make_render_params(settings, *find_integrator("path"), prepared.camera, prepared.packed.radius);
     PathFigures figures;
     figures.contenders = contenders_of(prepared, settings, params);

@@ -4,7 +4,7 @@
 #include "camera_choice.h"
 #include "scene_choice.h"
 
-#include "snell/kernel/camera.h"
+#include "snell/scene/camera_models.h"
 #include "snell/scene/packed.h"
 
 #include <string>
@@ -14,7 +14,7 @@ namespace snell::app {
 struct BenchScene
 {
     PackedScene packed;
-    Camera camera; // of a square picture of ray_set_side(rays) pixels
+    ReadyCamera camera; // of a square picture of ray_set_side(rays) pixels
     CameraDesc camera_desc;
 };
 

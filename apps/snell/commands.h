@@ -16,6 +16,7 @@ int run_convert(const Arguments& arguments);
 int run_list(const Arguments& arguments);
 int run_probe(const Arguments& arguments);
 int run_compare(const Arguments& arguments);
+int run_camera(const Arguments& arguments);
 int run_bench(const Arguments& arguments);
 
 } // namespace snell::app

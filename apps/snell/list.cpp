@@ -7,6 +7,7 @@
 #include "snell/bvh/options.h"
 #include "snell/render/integrator.h"
 #include "snell/scene/builtin.h"
+#include "snell/scene/camera_models.h"
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -50,6 +51,9 @@ static std::vector<Section> sections()
         Section& section = all.emplace_back(Section{key, title, {}});
         for (const Named& one : names) section.entries.push_back({std::string(one.name), std::string(one.summary), {}});
     };
+    Section& camera = all.emplace_back(Section{"camera_models", "Camera models (--camera-model)", {}});
+    for (const CameraModelInfo& info : camera_models())
+        camera.entries.push_back({std::string(info.name), std::string(info.summary), {}});
     add_named("samplers", "Samplers (--sampler)", samplers());
     add_named("tone_curves", "Tone curves (--tone)", tone_curves());
 

@@ -31,6 +31,7 @@ static const std::array commands = {
     Command{"list", "List integrators, structures, samplers, built-in scenes and file formats", run_list},
     Command{"compare", "Measure how much two pictures differ", run_compare},
     Command{"probe", "Show what a pixel sees, and one of its samples vertex by vertex", run_probe},
+    Command{"camera", "Measure what a camera or a lens does to the picture", run_camera},
     Command{"bench", "Measure the renderer's speed beside Embree", run_bench},
 };
 

@@ -1,5 +1,6 @@
 #include "picture_layers.h"
 
+#include "snell/core/error.h"
 #include "snell/core/version.h"
 #include "snell/render/params.h"
 
@@ -54,7 +55,62 @@ Layers picture_layers(const RenderReport& report, const CameraDesc& desc)
     }
     layers.alpha = film.alpha(); // what was not rendered is transparent, not black
     add_matrices(layers, make_camera(desc, settings.width, settings.height));
+    if (desc.model.kind != camera_pinhole) layers.world_to_ndc.clear(); // no matrix makes the pictures of the others
     return layers;
+}
+
+// "Albedo.R" becomes "Albedo.right.R", and "R" "right.R".
+static std::string with_view(const std::string& channel, const std::string& view)
+{
+    const std::size_t dot = channel.rfind('.');
+    return dot == std::string::npos ? fmt::format("{}.{}", view, channel)
+                                    : fmt::format("{}.{}.{}", channel.substr(0, dot), view, channel.substr(dot + 1));
+}
+
+Layers stereo_layers(Layers left, const Picture& right_picture, Layers right)
+{
+    left.views = {"left", "right"};
+    left.world_to_camera.clear(), left.world_to_ndc.clear(); // one eye's alone would be taken for both
+    for (Channel& channel : left.channels)
+        if (channel.name.find('.') != std::string::npos) channel.name = with_view(channel.name, "left");
+    for (Channel& channel : right.channels) {
+        channel.name = with_view(channel.name, "right");
+        left.channels.push_back(std::move(channel));
+    }
+    const char* const names[] = {"R", "G", "B"};
+    for (int c = 0; c < 3; ++c) {
+        Channel& channel = left.channels.emplace_back(Channel{with_view(names[c], "right"), {}, {}});
+        for (const vec3& pixel : right_picture.pixels) channel.floats.push_back(pixel[c]);
+    }
+    if (right.alpha.empty()) right.alpha.assign(right_picture.pixels.size(), 1.0f);
+    left.channels.push_back({with_view("A", "right"), std::move(right.alpha), {}});
+    return left;
+}
+
+template <class T>
+static std::vector<T> joined(const std::vector<T>& left, const std::vector<T>& right, std::size_t width)
+{
+    std::vector<T> both;
+    both.reserve(left.size() + right.size());
+    for (std::size_t at = 0; at < left.size(); at += width)
+        for (const std::vector<T>* half : {&left, &right})
+            both.insert(both.end(), half->begin() + static_cast<std::ptrdiff_t>(at),
+                        half->begin() + static_cast<std::ptrdiff_t>(at + width));
+    return both;
+}
+
+Picture side_by_side(const Picture& left, const Picture& right)
+{
+    SNELL_CHECK_EQ(left.width, right.width);
+    SNELL_CHECK_EQ(left.height, right.height);
+    return {2 * left.width, left.height, joined(left.pixels, right.pixels, static_cast<std::size_t>(left.width))};
+}
+
+std::vector<float> side_by_side(const std::vector<float>& left, const std::vector<float>& right, int width)
+{
+    if (left.empty() && right.empty()) return {};
+    SNELL_CHECK_EQ(left.size(), right.size());
+    return joined(left, right, static_cast<std::size_t>(width));
 }
 
 } // namespace snell::app

@@ -8,9 +8,11 @@
 
 #include "snell/core/error.h"
 #include "snell/core/parallel.h"
+#include "snell/io/file.h"
 #include "snell/render/integrator.h"
 #include "snell/render/render.h"
 #include "snell/scene/animation.h"
+#include "snell/scene/camera_models.h"
 
 #include <fmt/format.h>
 
@@ -65,7 +67,7 @@ namespace {
 struct Shot
 {
     const RenderJob& job;
-    const Prepared& prepared;
+    Prepared& prepared;
     const CameraDesc& camera;
     std::string label; // begins what is said about it: "frame 3 of 24: "
     double load_seconds = 0;
@@ -93,21 +95,48 @@ static void say_numbers(const Shot& shot, const RenderReport& report)
     }
 }
 
+static RenderResult render_view(const Shot& shot, const CameraDesc& camera, const std::string& label,
+                                const InterruptGuard& interrupt)
+{
+    RenderSettings settings = shot.job.settings;
+    if (shot.job.is_stereo) settings.timeout_seconds *= 0.5;
+    console().detail(
+        fmt::format("{}rendering {}x{} at {} samples a pixel", label, settings.width, settings.height, settings.spp));
+    shot.prepared.camera = camera;
+    ProgressLine line(settings.spp, label);
+    return render(
+        shot.prepared, settings, [&](const Progress& progress) { line.update(progress); }, &interrupt.flag());
+}
+
+// The rays and seconds of both eyes.
+static void add_stats(RenderStats& sum, const RenderStats& more)
+{
+    sum.camera_rays += more.camera_rays, sum.extension_rays += more.extension_rays;
+    sum.shadow_rays += more.shadow_rays, sum.samples += more.samples;
+    sum.render_seconds += more.render_seconds;
+    sum.generate_seconds += more.generate_seconds, sum.extend_seconds += more.extend_seconds;
+    sum.shade_seconds += more.shade_seconds, sum.connect_seconds += more.connect_seconds;
+    sum.finalize_seconds += more.finalize_seconds;
+    sum.cancelled = sum.cancelled || more.cancelled;
+}
+
 static Outcome render_shot(const Shot& shot, const InterruptGuard& interrupt)
 {
     const RenderJob& job = shot.job;
     const RenderSettings& settings = job.settings;
-    console().detail(fmt::format("{}rendering {}x{} at {} samples a pixel", shot.label, settings.width, settings.height,
-                                 settings.spp));
-    RenderResult result;
-    {
-        ProgressLine line(settings.spp, shot.label);
-        result = render(
-            shot.prepared, settings, [&](const Progress& progress) { line.update(progress); }, &interrupt.flag());
-    }
+    const Region region = region_of(settings);
+    const bool two = job.is_stereo;
+    const CameraDesc camera = two ? stereo_eye(shot.camera, 0) : shot.camera;
+    RenderResult result = render_view(shot, camera, shot.label + (two ? "left eye: " : ""), interrupt);
     result.stats.load_seconds = shot.load_seconds;
-    const RenderReport report = {job, result, shot.prepared.packed.triangles.size(),
-                                 mean_spp(result.film, region_of(settings))};
+    double spp_done = mean_spp(result.film, region);
+    std::optional<RenderResult> other;
+    if (two) {
+        other = render_view(shot, stereo_eye(shot.camera, 1), shot.label + "right eye: ", interrupt);
+        add_stats(result.stats, other->stats);
+        spp_done = 0.5 * (spp_done + mean_spp(other->film, region));
+    }
+    const RenderReport report = {job, result, shot.prepared.packed.triangles.size(), spp_done};
 
     const bool whole = !result.stats.cancelled;
     const bool interrupted = !whole && interrupt.exit_code() != 0;
@@ -116,20 +145,36 @@ static Outcome render_shot(const Shot& shot, const InterruptGuard& interrupt)
         return {};
     }
     const Picture picture = result.film.picture();
-    const Layers layers = picture_layers(report, shot.camera);
+    const Layers layers = picture_layers(report, camera);
+    Picture pair;
+    Layers pair_layers, view_layers;
+    if (two) {
+        const RenderReport of_other = {job, *other, report.triangles, spp_done};
+        const Picture right = other->film.picture();
+        const Layers right_layers = picture_layers(of_other, stereo_eye(shot.camera, 1));
+        pair = side_by_side(picture, right);
+        pair_layers.alpha = side_by_side(layers.alpha, right_layers.alpha, picture.width);
+        view_layers = stereo_layers(layers, right, right_layers);
+    }
     const DisplayTransform display = display_of(job);
     std::string written;
     for (const auto& output : job.outputs) {
-        write_picture(output, picture, layers, display);
+        if (!two)
+            write_picture(output, picture, layers, display);
+        else if (lower_extension(output) == ".exr")
+            write_picture(output, picture, view_layers, display);
+        else
+            write_picture(output, pair, pair_layers, display);
         written += (written.empty() ? "" : ", ") + output.string();
     }
 
     const std::string spp = whole ? fmt::format("{:.7g}", report.spp_done)
                                   : fmt::format("{}: {:.4g} of {}", interrupted ? "interrupted" : "out of time",
                                                 report.spp_done, settings.spp);
-    console().info(fmt::format("{}wrote {} ({}x{}, {} samples a pixel)", shot.label, written, settings.width,
-                               settings.height, spp));
+    console().info(fmt::format("{}wrote {} ({}{}x{}, {} samples a pixel)", shot.label, written, two ? "twice " : "",
+                               settings.width, settings.height, spp));
     report_dropped(result.film);
+    if (two) report_dropped(other->film);
     say_numbers(shot, report);
     return {true, whole};
 }

@@ -44,6 +44,7 @@ struct RenderJob
     std::optional<FrameRange> frames; // of a sequence
     DisplayTransform display;
     StatsReport stats = StatsReport::closing;
+    bool is_stereo = false;   // a picture for each eye
     std::string command_line; // for the pictures' attributes
     RenderSettings settings;  // those that nobody but the command line has a say in; settle_render() adds the rest
 

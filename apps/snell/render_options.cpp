@@ -159,6 +159,8 @@ std::optional<int> parse_render(const Arguments& arguments, RenderJob& job)
     options.positional("SCENE", scene_help, [&](const std::string& text) { job.scene.name = text; });
     add_picture_options(options, job);
     add_camera_options(options, job.camera);
+    options.flag("--stereo", "A picture for each eye: side by side, or as the views left and right of an .exr",
+                 [&] { job.is_stereo = job.camera.is_stereo = true; });
     add_scene_options(options, job.scene);
     add_sequence_options(options, job, fps);
     add_loading_options(options, job.scene);

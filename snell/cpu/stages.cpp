@@ -12,13 +12,18 @@ void generate_stage(const StageContext& context, Batch& batch, const Region& til
 {
     const Timer timer;
     batch.paths.clear();
+    batch.slots.assign(static_cast<std::size_t>((tile.x1 - tile.x0) * (tile.y1 - tile.y0)) * count, SampleSlot{});
     uint slot = 0;
     for (int y = tile.y0; y < tile.y1; ++y)
         for (int x = tile.x0; x < tile.x1; ++x)
-            for (uint s = 0; s < count; ++s)
-                batch.paths.push(generate_camera_path(context.params, static_cast<uint>(x), static_cast<uint>(y),
-                                                      first_sample + s, slot++));
-    batch.slots.assign(slot, SampleSlot{});
+            for (uint s = 0; s < count; ++s, ++slot) {
+                const CameraPath path = generate_camera_path(context.params, static_cast<uint>(x), static_cast<uint>(y),
+                                                             first_sample + s, slot);
+                if (camera_sees(path.ray))
+                    batch.paths.push(path);
+                else if (context.params.camera.model != camera_lens) // whose rims are black, not transparent
+                    batch.slots[slot].sees_through = 1u;
+            }
     batch.stats.camera_rays += slot;
     batch.stats.generate_seconds += timer.seconds();
 }
@@ -184,6 +189,7 @@ void record_first_hits(const StageContext& context, Batch& batch, const Region& 
     batch.hits.resize(batch.paths.size());
     batch.steps.resize(batch.paths.size());
     intersect_paths_counted(context, batch);
+    for (std::size_t slot = 0; slot < batch.slots.size(); ++slot) layers.sample_count[film_index(slot)] += 1;
     // What is seen in mirrors comes later than the rest; to add up in the order of samples, keep it by slot first.
     std::vector<vec3> albedo(batch.slots.size(), vec3(0.0f)), normal(batch.slots.size(), vec3(0.0f));
     for (uint bounce = 0; batch.paths.size() > 0; ++bounce) {
@@ -192,7 +198,6 @@ void record_first_hits(const StageContext& context, Batch& batch, const Region& 
             const std::size_t pixel = film_index(batch.paths.states[i].slot);
             const Hit& hit = batch.hits[i];
             if (bounce == 0) {
-                layers.sample_count[pixel] += 1;
                 layers.steps[pixel] += static_cast<float>(batch.steps[i]);
             }
             if (!is_hit(hit)) continue;

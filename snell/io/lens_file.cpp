@@ -76,4 +76,14 @@ LensPrescription load_lens(const std::filesystem::path& file)
     return lens;
 }
 
+void write_lens(const LensPrescription& lens, const std::filesystem::path& file)
+{
+    std::string text = "# ";
+    for (const char c : lens.name) text += c == '\n' || c == '\r' ? ' ' : c;
+    text += "\n# radius [mm]  thickness [mm]  index behind  diameter [mm]\n";
+    for (const LensSurface& s : lens.surfaces)
+        text += fmt::format("{}  {}  {}  {}\n", s.radius, s.thickness, s.eta, s.diameter);
+    write_atomically(file, text);
+}
+
 } // namespace snell

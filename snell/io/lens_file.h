@@ -12,4 +12,7 @@ namespace snell {
 // do) for anything else, and for lenses that light cannot pass.
 LensPrescription load_lens(const std::filesystem::path& file);
 
+// The inverse: the same numbers come back. Throws Error if the file cannot be written.
+void write_lens(const LensPrescription& lens, const std::filesystem::path& file);
+
 } // namespace snell

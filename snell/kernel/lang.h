@@ -28,6 +28,8 @@
     {                                                                                                                  \
         const T* at;                                                                                                   \
     };
+// One that is nowhere, and must not be read.
+#define SNELL_NO_ARRAY(Name) (Name{nullptr})
 // Size in bytes of a struct that crosses to the GPU.
 #define SNELL_LAYOUT(T, bytes) static_assert(sizeof(T) == (bytes), "layout of " #T " differs from the GPU's");
 
@@ -35,6 +37,7 @@
 
 #extension GL_EXT_scalar_block_layout : require
 #extension GL_EXT_buffer_reference : require
+#extension GL_EXT_buffer_reference_uvec2 : require
 
 #define SNELL_BEGIN
 #define SNELL_END
@@ -49,6 +52,7 @@
     {                                                                                                                  \
         T at[];                                                                                                        \
     };
+#define SNELL_NO_ARRAY(Name) Name(uvec2(0u, 0u))
 #define SNELL_LAYOUT(T, bytes)
 
 #endif

@@ -31,6 +31,22 @@ struct LensSystem
 };
 SNELL_LAYOUT(LensSystem, 40)
 
+// For cameras that have none.
+SNELL_FN LensSystem no_lens()
+{
+    LensSystem lens;
+    lens.table = SNELL_NO_ARRAY(Vec4Array);
+    lens.first = 0u;
+    lens.interface_count = 0u;
+    lens.pupil_count = 0u;
+    lens.film_radius = 0.0f;
+    lens.rear_z = 0.0f;
+    lens.entrance_z = 0.0f;
+    lens.gain = 0.0f;
+    lens.unit = 0.0f;
+    return lens;
+}
+
 SNELL_FN LensInterface lens_interface(SNELL_IN(LensSystem) lens, uint i)
 {
     vec4 row = lens.table.at[lens.first + i];

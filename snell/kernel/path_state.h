@@ -28,7 +28,7 @@ struct RenderParams
     float distance;    // ambient occlusion: how far a surface shades another
     float max_steps;   // traversal heat map: steps at the hot end of the scale
 };
-SNELL_LAYOUT(RenderParams, 96)
+SNELL_LAYOUT(RenderParams, 208)
 
 // Which part of a pixel's value a contribution belongs to.
 SNELL_CONST uint layer_emission = 0u; // emitters seen directly
@@ -72,7 +72,7 @@ SNELL_FN SampleKey state_key(SNELL_IN(RenderParams) params, SNELL_IN(PathState) 
     return key;
 }
 
-// Random dimensions: pair 0 is the position in the pixel, 1 is kept for the lens; each vertex has four from 2 on.
+// Random dimensions: pair 0 is the position in the pixel, 1 the point on the lens; each vertex has four from 2 on.
 SNELL_CONST uint dimension_bsdf = 0u;   // direction
 SNELL_CONST uint dimension_lobe = 1u;   // x: part of the BSDF; y: roulette
 SNELL_CONST uint dimension_light = 2u;  // point on the light
@@ -99,14 +99,31 @@ struct CameraPath
     PathState state;
 };
 
-// The generate stage: the camera ray of a sample of pixel (x, y).
+// Keeps one colour of light: red 0, green 1, blue 2; what is left counts three times.
+SNELL_FN vec3 one_color(uint channel)
+{
+    return vec3(channel == 0u ? 3.0f : 0.0f, channel == 1u ? 3.0f : 0.0f, channel == 2u ? 3.0f : 0.0f);
+}
+
+// The generate stage: the camera ray of a sample of pixel (x, y). Where the camera sees nothing it is a ray that meets
+// nothing, with a throughput of 0.
 SNELL_FN CameraPath generate_camera_path(SNELL_IN(RenderParams) params, uint x, uint y, uint sample_index, uint slot)
 {
     SampleKey key = make_sample_key(params.sampler_kind, y * params.width + x, sample_index, params.seed);
     vec2 jitter = (params.flags & render_jitter) != 0u ? random_2d(key, 0u) : vec2(0.5f, 0.5f);
     CameraPath path;
-    path.ray = camera_ray(params.camera, vec2(float(x), float(y)) + jitter);
     path.state.throughput = vec3(1.0f);
+    path.state.channel = none;
+    uint channel = camera_green;
+    if (camera_disperses(params.camera)) {
+        channel = choose_color_channel(key.pixel, key.reversed_index);
+        path.state.channel = channel;
+        path.state.throughput = one_color(channel);
+    }
+    vec2 on_lens = camera_has_lens(params.camera) ? random_2d(key, 1u) : vec2(0.5f, 0.5f);
+    CameraSample seen = sample_camera(params.camera, vec2(float(x), float(y)) + jitter, on_lens, channel);
+    path.ray = seen.ray;
+    path.state.throughput = seen.weight * path.state.throughput;
     path.state.slot = slot;
     path.state.pdf = 0.0f;
     path.state.eta_scale = 1.0f;
@@ -114,7 +131,6 @@ SNELL_FN CameraPath generate_camera_path(SNELL_IN(RenderParams) params, uint x, 
     path.state.medium = none;
     path.state.key_pixel = key.pixel;
     path.state.key_reversed_index = key.reversed_index;
-    path.state.channel = none;
     return path;
 }
 
@@ -186,9 +202,7 @@ SNELL_FN_COLD void disperse(SNELL_IN(SceneView) scene, float dispersion, SNELL_I
 {
     if (state.channel == none) {
         state.channel = choose_color_channel(state.key_pixel, state.key_reversed_index);
-        vec3 keep = vec3(state.channel == 0u ? 3.0f : 0.0f, state.channel == 1u ? 3.0f : 0.0f,
-                         state.channel == 2u ? 3.0f : 0.0f);
-        state.throughput = state.throughput * keep;
+        state.throughput = state.throughput * one_color(state.channel);
     }
     vec3 iors = dispersed_ior(v.material.ior, dispersion);
     v.material.principled.ior = state.channel == 0u ? iors.x : state.channel == 1u ? iors.y : iors.z;

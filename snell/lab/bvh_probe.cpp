@@ -101,7 +101,7 @@ ViewRays make_view_rays(const Prepared& prepared, const CameraDesc& camera, cons
                                                  (static_cast<double>(settings.width) * settings.height)));
     plain.width = std::max(8, static_cast<int>(settings.width * scale) / 8 * 8);
     plain.height = std::max(8, static_cast<int>(settings.height * scale) / 8 * 8);
-    const RenderParams params = make_render_params(plain, *path, camera, prepared.packed.radius);
+    const ReadyParams params = make_render_params(plain, *path, camera, prepared.packed.radius);
 
     ViewRays rays;
     std::vector<PathState> states;

@@ -85,7 +85,8 @@ RoundTrip round_trip(const Camera& camera, int side, float size)
                 continue;
             }
             for (const float distance : {1.0f, 10.0f, 100.0f}) {
-                const vec3 back = camera_project(camera, ray.origin + distance * size * ray.direction);
+                const vec3 back = camera_project_eye(camera, ray.origin + distance * size * ray.direction,
+                                                     camera_eye(camera, pixel.x), camera_green);
                 if (!(back.z > 0.0f)) {
                     ++trip.lost;
                     continue;
@@ -98,6 +99,31 @@ RoundTrip round_trip(const Camera& camera, int side, float size)
         }
     if (trip.points > 0) trip.mean = static_cast<float>(sum / static_cast<double>(trip.points));
     return trip;
+}
+
+std::vector<vec2> round_trip_curve(const Camera& camera, int count, float size)
+{
+    SNELL_CHECK_LT(1, count);
+    const vec2 from = middle(camera);
+    const vec2 way = vec2(camera.width, camera.height) - from;
+    std::vector<vec2> curve;
+    for (int i = 0; i < count; ++i) {
+        const float t = static_cast<float>(i) / static_cast<float>(count - 1);
+        const vec2 pixel = from + t * way;
+        const Ray ray = camera_ray(camera, pixel);
+        if (!sees(ray)) continue;
+        const uint eye = camera_eye(camera, pixel.x);
+        float worst = 0.0f;
+        bool is_found = true;
+        for (const float distance : {1.0f, 10.0f, 100.0f}) {
+            const vec3 back =
+                camera_project_eye(camera, ray.origin + distance * size * ray.direction, eye, camera_green);
+            is_found = is_found && back.z > 0.0f;
+            worst = std::max(worst, length(vec2(back.x, back.y) - pixel));
+        }
+        if (is_found) curve.emplace_back(t * length(way), worst);
+    }
+    return curve;
 }
 
 std::vector<VignettingPoint> vignetting(const LensSystem& lens, int count, int side)

@@ -41,6 +41,10 @@ struct RoundTrip
 // measure how points are rounded, not the camera.)
 RoundTrip round_trip(const Camera& camera, int side, float size);
 
+// Along the way of distortion_curve(): radius and worst error of each point, both in pixels. Points that see nothing or
+// are not found are left out.
+std::vector<vec2> round_trip_curve(const Camera& camera, int count, float size);
+
 // What the film of a lens gets from surroundings of radiance 1, against the middle of the film.
 struct VignettingPoint
 {

@@ -276,7 +276,7 @@ ProbedPath probe_path(const Prepared& prepared, const CameraDesc& camera, const 
                       uint sample)
 {
     const IntegratorInfo* integrator = &checked_integrator(settings, x, y);
-    const RenderParams params = make_render_params(settings, *integrator, camera, prepared.packed.radius);
+    const ReadyParams params = make_render_params(settings, *integrator, camera, prepared.packed.radius);
     ProbedPath path;
     path.x = x;
     path.y = y;
@@ -304,7 +304,7 @@ vec3 render_sample(const Prepared& prepared, const CameraDesc& camera, const Ren
     RenderSettings one = settings;
     one.layers = false;
     one.strict = false;
-    const RenderParams params = make_render_params(one, integrator, camera, prepared.packed.radius);
+    const ReadyParams params = make_render_params(one, integrator, camera, prepared.packed.radius);
     Film film(settings.width, settings.height, false);
     make_cpu_backend({prepared.packed, *prepared.accel, params, one, integrator})
         ->render_samples(Region{x, y, x + 1, y + 1}, sample, 1, film, [] { return true; });

@@ -53,8 +53,8 @@ static void check_keys(const RenderSettings& settings, const IntegratorInfo& int
     }
 }
 
-RenderParams make_render_params(const RenderSettings& settings, const IntegratorInfo& integrator,
-                                const CameraDesc& camera, float scene_radius)
+ReadyParams make_render_params(const RenderSettings& settings, const IntegratorInfo& integrator,
+                               const CameraDesc& camera, float scene_radius)
 {
     check_keys(settings, integrator);
     const auto value = [&](const std::string& key, auto otherwise, auto parse) {
@@ -62,7 +62,7 @@ RenderParams make_render_params(const RenderSettings& settings, const Integrator
         return found == settings.parameters.end() ? otherwise : parse(key, found->second);
     };
 
-    RenderParams params{};
+    ReadyParams params{};
     params.width = static_cast<uint>(settings.width);
     params.height = static_cast<uint>(settings.height);
     params.seed = settings.seed;
@@ -92,20 +92,11 @@ RenderParams make_render_params(const RenderSettings& settings, const Integrator
     if (!(length(view) > 0) || !(length(cross(view, camera.up)) > 1e-6f * length(view) * length(camera.up)))
         throw Error("the camera has no direction: eye and target coincide, or up is parallel to the view",
                     "give other values with --eye, --target or --up");
-    if (!(camera.fov_degrees > 0 && camera.fov_degrees < 180))
-        throw Error(fmt::format("a field of view of {} degrees", camera.fov_degrees),
-                    "it must lie between 0 and 180, both excluded");
-    params.camera = make_camera(camera, settings.width, settings.height);
+    if (const std::string fault = camera_fault(camera); !fault.empty()) throw Error("the camera has " + fault);
+    const ReadyCamera ready = make_camera(camera, settings.width, settings.height);
+    params.camera = ready;
+    params.glass = ready.glass;
     return params;
-}
-
-Camera make_camera(const CameraDesc& desc, int width, int height)
-{
-    const float tan_half_fov = std::tan(desc.fov_degrees * std::numbers::pi_v<float> / 360.0f);
-    Camera camera = make_pinhole(desc.eye, desc.target, desc.up, tan_half_fov, static_cast<float>(width),
-                                 static_cast<float>(height));
-    if (desc.mirrored) camera.right = -camera.right;
-    return camera;
 }
 
 } // namespace snell

@@ -4,14 +4,18 @@
 #include "snell/kernel/path_state.h"
 #include "snell/render/integrator.h"
 #include "snell/render/settings.h"
+#include "snell/scene/camera_models.h"
 
 namespace snell {
 
-// Throws Error for an unknown sampler, an unknown parameter of the integrator, or a value that is none.
-RenderParams make_render_params(const RenderSettings& settings, const IntegratorInfo& integrator,
-                                const CameraDesc& camera, float scene_radius);
+// What paths have in common, and what its camera points to.
+struct ReadyParams : RenderParams
+{
+    std::shared_ptr<const FocusedLens> glass; // ReadyCamera::glass
+};
 
-// The camera of a picture of that size, in pixels.
-Camera make_camera(const CameraDesc& desc, int width, int height);
+// Throws Error for an unknown sampler, an unknown parameter of the integrator, or a value that is none.
+ReadyParams make_render_params(const RenderSettings& settings, const IntegratorInfo& integrator,
+                               const CameraDesc& camera, float scene_radius);
 
 } // namespace snell

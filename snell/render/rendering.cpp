@@ -1,7 +1,6 @@
 #include "snell/render/rendering.h"
 
 #include "snell/core/error.h"
-#include "snell/render/params.h"
 #include "snell/render/suggestion.h"
 
 #include <algorithm>
@@ -35,7 +34,8 @@ Rendering::Rendering(const Prepared& prepared, const RenderSettings& settings, c
       params_(make_render_params(settings, integrator, camera, prepared.packed.radius))
 {
     film = Film(settings.width, settings.height, settings.layers);
-    if (prepared.packed.environment.is_visible == 0u) film.seen_through.assign(film.sample_count.size(), 0u);
+    if (prepared.packed.environment.is_visible == 0u || camera.model.kind != camera_pinhole)
+        film.seen_through.assign(film.sample_count.size(), 0u);
     backend_ = make_cpu_backend({prepared.packed, *prepared.accel, params_, settings_, integrator});
 }
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "snell/render/backend.h"
+#include "snell/render/params.h"
 #include "snell/render/render.h"
 
 #include <functional>
@@ -32,7 +33,7 @@ class Rendering
   private:
     const RenderSettings settings_;
     const Region region_;
-    const RenderParams params_;
+    const ReadyParams params_;
     std::unique_ptr<Backend> backend_;
 };
 

@@ -1,10 +1,13 @@
 #include "snell/scene/lens.h"
 
 #include "snell/core/error.h"
+#include "snell/core/parallel.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
+#include <numeric>
 
 namespace snell {
 namespace {
@@ -79,13 +82,14 @@ vec4 pupil_bounds(const LensSystem& lens, float inner, float outer, float half)
 double middle_weight(const LensSystem& lens)
 {
     constexpr uint side = 256;
-    double sum = 0;
-    for (uint y = 0; y < side; ++y)
+    std::array<double, side> rows{};
+    parallel_for(side, [&](std::size_t y) {
         for (uint x = 0; x < side; ++x) {
             const vec2 u((static_cast<float>(x) + 0.5f) / side, (static_cast<float>(y) + 0.5f) / side);
-            sum += static_cast<double>(sample_lens(lens, vec2(0.0f), u).weight);
+            rows[y] += static_cast<double>(sample_lens(lens, vec2(0.0f), u).weight);
         }
-    return sum / (side * side);
+    });
+    return std::accumulate(rows.begin(), rows.end(), 0.0) / (side * side);
 }
 
 } // namespace
@@ -117,6 +121,12 @@ Cardinal cardinal(const LensPrescription& lens)
     c.entrance_pupil = b / a; // it crosses the axis there
     c.entrance_radius = std::abs(0.5 * static_cast<double>(lens.surfaces[stop].diameter) / a);
     return c;
+}
+
+float stop_diameter(const LensPrescription& lens)
+{
+    SNELL_CHECK_LT(0u, lens.surfaces.size());
+    return lens.surfaces[stop_of(lens)].diameter;
 }
 
 double focused_film_distance(const LensPrescription& lens, double distance)
@@ -171,11 +181,11 @@ FocusedLens focus_lens(const LensPrescription& lens, double distance, double fil
 
     const float half = 1.05f * 0.5f * lens.surfaces.back().diameter;
     const LensSystem view = focused.view();
-    std::vector<vec4> pupils;
-    for (uint i = 0; i < ring_count; ++i) {
+    std::vector<vec4> pupils(ring_count);
+    parallel_for(ring_count, [&](std::size_t i) {
         const float width = system.film_radius / static_cast<float>(ring_count);
-        pupils.push_back(pupil_bounds(view, static_cast<float>(i) * width, static_cast<float>(i + 1) * width, half));
-    }
+        pupils[i] = pupil_bounds(view, static_cast<float>(i) * width, static_cast<float>(i + 1) * width, half);
+    });
     focused.table.insert(focused.table.end(), pupils.begin(), pupils.end());
     const double middle = middle_weight(focused.view());
     if (!(middle > 0))

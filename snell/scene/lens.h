@@ -15,6 +15,7 @@ struct LensSurface
     float thickness = 0.0f; // to the next surface; behind the last one: to the film, when focused at infinity
     float eta = 1.0f;       // index of refraction behind it; at most 4
     float diameter = 0.0f;  // that lets light pass
+    bool operator==(const LensSurface&) const = default;
 };
 
 // From the scene to the film. There is one stop: the first surface of radius 0 between equal indices.
@@ -22,6 +23,7 @@ struct LensPrescription
 {
     std::string name;
     std::vector<LensSurface> surfaces;
+    bool operator==(const LensPrescription&) const = default;
 };
 
 // Of rays near the axis, by ray transfer matrices (Kogelnik and Li 1966); all from the front vertex, towards the film.
@@ -36,6 +38,9 @@ struct Cardinal
 };
 
 Cardinal cardinal(const LensPrescription& lens);
+
+// Of the aperture stop, fully open: millimetres.
+float stop_diameter(const LensPrescription& lens);
 
 // Where the film must be, behind the rear vertex, for what lies at `distance` from the entrance pupil to be sharp near
 // the axis. Infinity is a distance. Throws Error if no place behind the lens makes it sharp.

@@ -5,9 +5,11 @@
 #pragma once
 
 #include "snell/core/vec.h"
+#include "snell/kernel/camera.h"
 #include "snell/kernel/scene_view.h"
 #include "snell/scene/animation.h"
 #include "snell/scene/index.h"
+#include "snell/scene/lens.h"
 
 #include <array>
 #include <optional>
@@ -162,10 +164,34 @@ struct LightDesc
     vec3 emission{1.0f};               // point, spot: W/sr; directional: W/m2 on a facing surface
     float inner_degrees = 30.0f;       // spot: half angle of the cone of full intensity
     float outer_degrees = 45.0f;       // spot: half angle beyond which nothing is lit
-    Index<Node> node{};                  // if valid, pose() puts the light at its origin, shining along its -Z
+    Index<Node> node{};                // if valid, pose() puts the light at its origin, shining along its -Z
 };
 
-// A pinhole camera. fov is the full angle of the picture's shorter side.
+// How a camera maps directions to its picture: docs/cameras.md.
+struct CameraModel
+{
+    uint kind = camera_pinhole;          // camera_*
+    float lens_radius = 0.0f;            // of a thin lens (pinhole); 0: everything is sharp
+    float focus_distance = 0.0f;         // of thin and traced lenses; 0: as far as the target
+    uint blades = 0;                     // of the aperture; fewer than 3: a circle
+    float blade_rotation_degrees = 0.0f; // counter-clockwise, seen from behind the camera
+    float half_side = 0.0f;      // orthographic: of what the picture's shorter side shows; 0: as CameraDesc has it
+    float eye_distance = 0.064f; // between the pupils, of an HMD: in the scene's units, which should be metres
+    std::array<float, 9> k{};    // Camera::k
+    // What a calibration has measured, in pixels of a picture of calibrated_width times calibrated_height, in place of
+    // the field of view. calibrated_width 0: nothing. Kannala-Brandt and Brown-Conrady only.
+    vec2 focal{0.0f}, center{0.0f}; // center: (0.5, 0.5) is the middle of the upper left pixel
+    float calibrated_width = 0.0f, calibrated_height = 0.0f;
+    // Of a traced lens. It sees what it sees: the field of view is that of lens and film.
+    LensPrescription lens;
+    float film_diagonal = 43.2666f; // millimetres, which the picture's diagonal has on the film; 36 mm x 24 mm
+    float stop_diameter = 0.0f;     // of the aperture stop, millimetres; 0: fully open
+    float millimetre = 0.001f;      // in the scene's units
+    bool operator==(const CameraModel&) const = default;
+};
+
+// A camera. fov is the full angle of the picture's shorter side (of an HMD: of one eye's half). An orthographic one
+// without a size of its own shows as much as a pinhole would at the target.
 struct CameraDesc
 {
     std::string name;
@@ -174,7 +200,8 @@ struct CameraDesc
     vec3 up{0.0f, 1.0f, 0.0f};
     float fov_degrees = 40.0f;
     bool mirrored = false; // the picture's left and right are exchanged
-    Index<Node> node{};      // if valid, pose() puts the eye at its origin, looking along its -Z with +Y up
+    Index<Node> node{};    // if valid, pose() puts the eye at its origin, looking along its -Z with +Y up
+    CameraModel model{};
 };
 
 // Light from infinitely far away, in all directions.

@@ -1,6 +1,7 @@
 // Repair of what came from outside: what can be mended is mended and noted, what has no meaning is an Error.
 #include "snell/core/error.h"
 #include "snell/core/parallel.h"
+#include "snell/scene/camera_models.h"
 #include "snell/scene/scene.h"
 #include "snell/scene/validate_animation.h"
 #include "snell/scene/validate_material.h"
@@ -177,9 +178,8 @@ std::string mend_camera(CameraDesc& camera, std::size_t number)
         throw Error(fmt::format("{}: eye or target is NaN or infinite", who));
     if (camera.eye == camera.target)
         throw Error(fmt::format("{}: eye and target are the same point", who), "move one of them");
-    if (!(camera.fov_degrees > 0.0f && camera.fov_degrees < 180.0f))
-        throw Error(fmt::format("{}: a field of view of {} degrees", who, camera.fov_degrees),
-                    "give an angle between 0 and 180");
+    if (const std::string fault = camera_fault(camera); !fault.empty())
+        throw Error(fmt::format("{}: {}", who, fault));
     const vec3 view = normalize(camera.target - camera.eye);
     const bool usable = is_finite3(camera.up) && !is_black(camera.up);
     if (!usable || length(cross(view, normalize(camera.up))) < 1e-4f) {

@@ -25,7 +25,7 @@ void expect_error(const std::vector<std::string>& arguments, int code, const std
 TEST(Usage, UnknownWordsNameTheNearestOne)
 {
     expect_error({"rendr"}, 2, {"'rendr'", "did you mean 'render'"});
-    expect_error({"zzzzzzzzzzzz"}, 2, {"render, view, info, convert, list, compare"});
+    expect_error({"zzzzzzzzzzzz"}, 2, {"render, view, info, convert, list, compare, probe, camera"});
     expect_error({"--versoin"}, 2, {"'--version'"});
     expect_error({"render", "cornell", "--integratr", "path"}, 2, {"'--integratr'", "'--integrator'"});
     expect_error({"render", "cornell", "--integratr=path"}, 2, {"'--integratr'", "'--integrator'"});

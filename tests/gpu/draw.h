@@ -88,6 +88,53 @@ SNELL_FN_COLD Vertex draw_vertex()
     return v;
 }
 
+// A double Gauss of 50 mm in focus at two metres.
+SNELL_FN_COLD LensSystem twin_lens(SNELL_IN(SceneView) scene)
+{
+    vec4 rest = scene.colors.at[scene_lens_first + scene_lens_interfaces + scene_lens_pupils];
+    LensSystem lens;
+    lens.table = scene.colors;
+    lens.first = scene_lens_first;
+    lens.interface_count = scene_lens_interfaces;
+    lens.pupil_count = scene_lens_pupils;
+    lens.rear_z = rest.x;
+    lens.entrance_z = rest.y;
+    lens.gain = rest.z;
+    lens.film_radius = rest.w;
+    lens.unit = 0.001f;
+    return lens;
+}
+
+// Any model, with distortions that do not fold the picture.
+SNELL_FN_COLD Camera draw_camera_model(SNELL_IN(SceneView) scene, Camera pinhole)
+{
+    Camera c = pinhole;
+    c.model = index_below(camera_model_count);
+    float lens_radius = magnitude(1e-3f, 1.0f);
+    c.lens_radius = c.model == camera_pinhole ? lens_radius : 0.0f;
+    c.focus_distance = magnitude(0.1f, 100.0f);
+    c.blades = index_below(9u);
+    c.blade_turn = unit();
+    c.eye_offset = magnitude(0.01f, 0.1f);
+    if (c.model != camera_pinhole && c.model != camera_orthographic) {
+        c.right = normalize(c.right);
+        c.up = normalize(c.up);
+    }
+    if (c.model == camera_hmd) c.center.x = 0.5f * c.center.x;
+    float size = 0.25f * min(c.width, c.height);
+    float fx = range(0.3f, 1.0f);
+    float fy = range(0.3f, 1.0f);
+    c.focal = size * vec2(fx, fy);
+    float k = c.model == camera_hmd ? 0.2f : 0.02f;
+    for (uint i = 0u; i < 9u; ++i) c.k[i] = range(0.0f, k);
+    if (c.model == camera_lens) {
+        float per_mm = sqrt(c.width * c.width + c.height * c.height) / 43.2f;
+        c.focal = vec2(per_mm, per_mm);
+        c.lens = twin_lens(scene);
+    }
+    return c;
+}
+
 SNELL_FN_COLD RenderParams draw_params()
 {
     vec3 eye = point(5.0f);
@@ -190,6 +237,26 @@ SNELL_FN void give_camera_path(CameraPath p)
     give(p.ray);
     give_state(p.state);
 }
+// But for the address of its table.
+SNELL_FN void give_lens_system(LensSystem lens)
+{
+    give(lens.first);
+    give(lens.interface_count);
+    give(lens.pupil_count);
+    give(lens.film_radius);
+    give(lens.rear_z);
+    give(lens.entrance_z);
+    give(lens.gain);
+    give(lens.unit);
+}
+// A ray that has been blocked says no more than that: where it was is of no use.
+SNELL_FN void give_lens_ray(LensRay ray)
+{
+    give(ray.weight);
+    if (ray.weight == 0.0f) return;
+    give(ray.origin);
+    give(ray.direction);
+}
 SNELL_FN void give_camera(Camera c)
 {
     give(c.origin);
@@ -197,7 +264,17 @@ SNELL_FN void give_camera(Camera c)
     give(c.right);
     give(c.height);
     give(c.up);
+    give(c.model);
     give(c.forward);
+    give(c.lens_radius);
+    give(c.focus_distance);
+    give(c.blades);
+    give(c.blade_turn);
+    give(c.eye_offset);
+    give(c.focal);
+    give(c.center);
+    for (uint i = 0u; i < 9u; ++i) give(c.k[i]);
+    give_lens_system(c.lens);
 }
 
 SNELL_END

@@ -76,7 +76,6 @@ const Expectation expectations[] = {
 // What these have to say, they deserve.
 const std::set<std::string> noted = {
     "AnisotropyBarnLamp/glTF-KTX2-Basisu/AnisotropyBarnLamp.gltf", // its pictures are KTX2
-    "Cameras/glTF/Cameras.gltf",                                   // one of its cameras has no perspective
 };
 
 TEST(GltfFiles, HoldWhatTheirJsonSays)

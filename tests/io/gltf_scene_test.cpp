@@ -1,6 +1,8 @@
 // Nodes and what hangs on them: instances, skins, morph targets, lights, cameras, animations, variants.
 #include "tests/io/gltf_files.h"
 
+#include "snell/scene/camera_models.h"
+
 namespace snell {
 namespace {
 
@@ -276,9 +278,14 @@ TEST(GltfScene, Cameras)
     ASSERT_EQ(scene.cameras.size(), 3u);
     EXPECT_NEAR(scene.cameras[0].fov_degrees, 57.29578f, 1e-4f);
     EXPECT_NEAR(scene.cameras[1].fov_degrees, 2 * 57.29578f * std::atan(0.5f * std::tan(0.5f)), 1e-4f);
-    EXPECT_NEAR(scene.cameras[2].fov_degrees, 2 * 57.29578f * std::atan(0.1f), 1e-4f);
+    EXPECT_EQ(scene.cameras[0].model.kind, camera_pinhole);
+    EXPECT_EQ(scene.cameras[2].model.kind, camera_orthographic);
+    const Camera flat = make_camera(scene.cameras[2], 400, 200);
+    expect_near(camera_ray(flat, {400, 100}).origin, {2.5f, 0.5f, 10});
+    expect_near(camera_ray(flat, {200, 0}).origin, {0.5f, 1.5f, 10});
+    expect_near(camera_ray(flat, {399, 1}).direction, {0, 0, -1});
     expect_near(scene.cameras[0].eye, {0.5f, 0.5f, 10});
-    EXPECT_NE(notes_of(scene).find("without perspective"), std::string::npos);
+    EXPECT_EQ(notes_of(scene), "");
 }
 
 TEST(GltfScene, Variants)

@@ -33,6 +33,20 @@ TEST(LensFile, TheFilesOfTheProjectAreTheLensesItKnows)
     }
 }
 
+TEST(LensFile, WhatIsWrittenComesBack)
+{
+    for (LensPrescription lens : known_lenses()) {
+        lens.name = "two\nlines";
+        lens.surfaces[0].thickness = 1.0f / 3.0f; // takes all the digits that a float may
+        lens.surfaces[0].diameter = 25.100002f;
+        const std::filesystem::path file = std::filesystem::path(testing::TempDir()) / "written.txt";
+        write_lens(lens, file);
+        const LensPrescription back = load_lens(file);
+        EXPECT_EQ(back.name, "written");
+        EXPECT_EQ(back.surfaces, lens.surfaces);
+    }
+}
+
 TEST(LensFile, CommentsGapsAndLineEndings)
 {
     const LensPrescription lens = read_lens("# a lens\r\n\r\n100, 2 1.5\t40 # front\r\n-100 95 0 40");

@@ -236,8 +236,45 @@ TEST(PbrtCamera, ScreenWindowNarrowsTheView)
     EXPECT_NEAR(scene.cameras.at(0).fov_degrees, 2 * 26.565f, 1e-2f);
     EXPECT_EQ(warning_count(scene), 0u) << all_notes(scene);
     const Scene lens = read_pbrt("Camera \"perspective\" \"float lensradius\" .1 \"float focaldistance\" 3 WorldBegin");
-    EXPECT_EQ(warning_count(lens), 1u) << all_notes(lens);
-    EXPECT_EQ(warning_count(read_pbrt("Camera \"spherical\" WorldBegin")), 1u);
+    EXPECT_EQ(warning_count(lens), 0u) << all_notes(lens);
+    EXPECT_EQ(lens.cameras.at(0).model.lens_radius, 0.1f);
+    EXPECT_EQ(lens.cameras.at(0).model.focus_distance, 3.0f);
+    EXPECT_EQ(warning_count(read_pbrt("Camera \"spherical\" WorldBegin")), 1u); // pbrt-v4's map of equal areas
+}
+
+TEST(PbrtCamera, OtherModels)
+{
+    const auto camera = [](const std::string& text) {
+        const Scene scene = read_pbrt(text + " WorldBegin");
+        EXPECT_EQ(warning_count(scene), 0u) << text;
+        return scene.cameras.at(0).model;
+    };
+    EXPECT_EQ(camera("Camera \"environment\"").kind, camera_equirectangular);
+    EXPECT_EQ(camera("Camera \"spherical\" \"string mapping\" \"equirectangular\"").kind, camera_equirectangular);
+    EXPECT_EQ(camera("Camera \"orthographic\" \"float screenwindow\" [-4 4 -3 3]").half_side, 3.0f);
+    EXPECT_EQ(camera("Camera \"orthographic\"").half_side, 1.0f);
+    EXPECT_EQ(camera("Camera \"fisheye\" \"string projection\" \"rectilinear\"").kind, camera_pinhole);
+    EXPECT_EQ(camera("Camera \"fisheye\" \"string projection\" \"equisolid\" \"float fov\" 220").kind,
+              camera_equisolid);
+    EXPECT_EQ(camera("Camera \"hmd\" \"float ipd\" .07 \"float distortion\" [.1 .2 .3]").k[5], 0.3f);
+
+    const CameraModel lens =
+        camera("Film \"rgb\" \"float diagonal\" 30 Camera \"realistic\" \"string lensfile\" \"fisheye\" "
+               "\"float aperturediameter\" 4 \"float focusdistance\" 2");
+    EXPECT_EQ(lens.kind, camera_lens);
+    EXPECT_EQ(lens.lens.name, "fisheye");
+    EXPECT_EQ(lens.stop_diameter, 4.0f);
+    EXPECT_EQ(lens.focus_distance, 2.0f);
+    EXPECT_EQ(lens.film_diagonal, 30.0f);
+
+    for (const char* broken :
+         {"Camera \"realistic\"", "Camera \"realistic\" \"string lensfile\" \"none.dat\"",
+          "Camera \"realistic\" \"string lensfile\" \"fisheye\" \"float focusdistance\" .001",
+          "Camera \"fisheye\" \"string projection\" \"oblong\"", "Camera \"fisheye\" \"float distortion\" [1 2 3]",
+          "Camera \"hmd\" \"float fov\" 190", "Film \"rgb\" \"float diagonal\" 0"}) {
+        const Scene scene = read_pbrt(std::string(broken) + " WorldBegin");
+        EXPECT_EQ(warning_count(scene), 1u) << broken;
+    }
 }
 
 TEST(PbrtOptions, BecomeHints)

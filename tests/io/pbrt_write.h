@@ -31,7 +31,11 @@ namespace snell::test {
         [[maybe_unused]] const auto& [f0, f1, f2, f3, f4, f5, f6, f7] = light;
     }
     {
-        [[maybe_unused]] const auto& [f0, f1, f2, f3, f4, f5, f6] = camera;
+        [[maybe_unused]] const auto& [f0, f1, f2, f3, f4, f5, f6, f7] = camera;
+    }
+    {
+        [[maybe_unused]] const auto& [f0, f1, f2, f3, f4, f5, f6, f7, f8, f9, f10, f11, f12, f13, f14, f15] =
+            camera.model;
     }
     {
         [[maybe_unused]] const auto& [f0, f1, f2, f3, f4, f5, f6, f7, f8, f9] = mesh;
@@ -208,6 +212,9 @@ inline void expect_same(const Scene& a, const Scene& b)
         EXPECT_EQ(x.up, y.up);
         EXPECT_EQ(x.fov_degrees, y.fov_degrees);
         EXPECT_EQ(x.mirrored, y.mirrored);
+        CameraModel same_name = y.model;
+        same_name.lens.name = x.model.lens.name; // it is that of the file now
+        EXPECT_TRUE(x.model == same_name) << "camera " << i << " of kind " << x.model.kind;
     }
     EXPECT_EQ(a.environment.radiance, b.environment.radiance);
     EXPECT_EQ(a.environment.visible, b.environment.visible);

@@ -5,6 +5,7 @@
 #include "snell/io/ply/ply.h"
 #include "snell/io/ply/write.h"
 #include "snell/scene/builtin.h"
+#include "snell/scene/camera_models.h"
 #include "snell/scene/shapes.h"
 
 #include <sstream>
@@ -194,6 +195,26 @@ Scene unusual_scene()
     camera.name = "mirrored";
     camera.mirrored = true;
     add(scene, camera);
+    for (uint kind = 0; kind < camera_model_count; ++kind) {
+        CameraDesc other = camera;
+        other.name = camera_models()[kind].name;
+        other.model = usual_model(kind);
+        CameraModel& m = other.model;
+        const bool says_fov = kind != camera_orthographic && kind != camera_equirectangular && kind != camera_lens;
+        if (!says_fov) other.fov_degrees = camera_models()[kind].usual_fov;
+        if (kind == camera_pinhole) m.lens_radius = 0.1f, m.blades = 5, m.blade_rotation_degrees = 11.5f;
+        if (kind == camera_pinhole || kind == camera_lens) m.focus_distance = 3.3f;
+        if (kind == camera_orthographic) m.half_side = 1.7f;
+        if (kind == camera_hmd) m.eye_distance = 0.07f, m.k = {0.1f, 0.2f, 0.3f, 0.4f, 0.5f, 0.6f, 0.7f, 0.8f, 0.9f};
+        if (kind == camera_kannala_brandt) m.k = {0.01f, 0.02f, 0.03f, 0.04f};
+        if (kind == camera_brown_conrady) {
+            m.k = {0.01f, 0.02f, 0.03f, 0.04f, 0.05f, 0.06f, 0.007f, 0.008f};
+            m.calibrated_width = 640.0f, m.calibrated_height = 480.0f;
+            m.focal = {500.0f, 501.0f}, m.center = {320.5f, 240.25f};
+        }
+        if (kind == camera_lens) m.film_diagonal = 30.0f, m.stop_diameter = 9.5f, m.millimetre = 0.01f;
+        add(scene, other);
+    }
     scene.environment.image = add(scene, noise("sky", texels_rgba32f, 8, false));
     scene.environment.radiance = {0.5f, 0.4f, 0.3f};
     scene.environment.to_world = compose(rotation({1, 2, 3}, 77.0f), scaling({-1, 1, 1}));

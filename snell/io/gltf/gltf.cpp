@@ -148,7 +148,6 @@ void load(const fs::path& file, const LoadOptions& options, Scene& scene)
     progress.begin("posing " + name, 0.85, 0.9);
     remarks.tell(scene, file.string());
     if (!scene.nodes.empty()) pose(scene, {}, 0.0f);
-    approximate_orthographic(document, scene);
 }
 
 } // namespace

@@ -212,10 +212,15 @@ void read_cameras(const Document& document, const Hierarchy& hierarchy, Scene& s
         camera.name = source.name.empty() ? node.name : source.name;
         camera.node = {static_cast<uint>(i)};
         if (source.type == "orthographic") {
-            remarks.warn("orthographic",
-                         fmt::format("{}: a camera without perspective; one with perspective takes its place, which "
-                                     "shows as much at the middle of the scene",
-                                     label("camera", static_cast<std::size_t>(node.camera), source.name)));
+            camera.model.kind = camera_orthographic;
+            const double half = std::min(std::abs(source.orthographic.xmag), std::abs(source.orthographic.ymag));
+            if (half > 0.0 && half < 1e18)
+                camera.model.half_side = static_cast<float>(half);
+            else
+                remarks.warn("orthographic",
+                             fmt::format("{}: a camera that shows nothing; it shows as much as one with "
+                                         "perspective would at its target",
+                                         who));
         } else {
             // Ours is the angle of the shorter side: the height, unless the picture is upright.
             const double y = source.perspective.yfov, aspect = source.perspective.aspectRatio;
@@ -227,23 +232,6 @@ void read_cameras(const Document& document, const Hierarchy& hierarchy, Scene& s
                                                 camera.fov_degrees));
         }
         add(scene, std::move(camera));
-    }
-}
-
-void approximate_orthographic(const Document& document, Scene& scene)
-{
-    std::optional<Bounds> bounds;
-    for (CameraDesc& camera : scene.cameras) {
-        const int index = document.model.nodes[camera.node.value].camera;
-        const tinygltf::Camera& source = document.model.cameras[static_cast<std::size_t>(index)];
-        if (source.type != "orthographic") continue;
-        if (!bounds) bounds = scene_bounds(scene);
-        const vec3 forward = normalize(camera.target - camera.eye);
-        double distance = bounds->empty() ? 0.0 : static_cast<double>(dot(bounds->center() - camera.eye, forward));
-        if (!(distance > 0.0)) distance = 0.5 * (source.orthographic.znear + source.orthographic.zfar);
-        const double half = std::min(std::abs(source.orthographic.xmag), std::abs(source.orthographic.ymag));
-        const double fov = 2.0 * std::atan2(half, distance) * 180.0 / 3.14159265358979323846;
-        if (fov > 0.0 && distance > 0.0) camera.fov_degrees = static_cast<float>(fov);
     }
 }
 

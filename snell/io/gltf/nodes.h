@@ -27,9 +27,6 @@ void read_skins(const Document& document, const Accessors& accessors, Scene& sce
 void read_lights(const Document& document, const Hierarchy& hierarchy, Scene& scene, Remarks& remarks);
 void read_cameras(const Document& document, const Hierarchy& hierarchy, Scene& scene, Remarks& remarks);
 
-// Cameras without perspective become ones with it that show as much at the middle of the scene. After pose().
-void approximate_orthographic(const Document& document, Scene& scene);
-
 // Places the meshes that the shown nodes have, as groups and instances, with rigs for those that are skinned or morph.
 // Reads their primitives in parallel; material_of(mesh, primitive) gives the material of one; progress gets the part
 // that is read.

@@ -72,6 +72,7 @@ Imf::Header make_header(const Picture& picture, const Layers& layers)
     for (const auto& [name, value] : layers.attributes) header.insert(name, Imf::StringAttribute(value));
     for (const auto& [name, value] : layers.numbers)
         header.insert(name, Imf::FloatAttribute(static_cast<float>(value)));
+    if (!layers.views.empty()) Imf::addMultiView(header, layers.views);
     set_matrix(layers.world_to_camera, header, Imf::addWorldToCamera);
     set_matrix(layers.world_to_ndc, header, Imf::addWorldToNDC);
     return header;

@@ -40,6 +40,9 @@ struct Layers
     // 16 values each, row by row, or empty. OpenEXR multiplies row vectors from the left: a translation is in the last
     // row.
     std::vector<float> world_to_camera, world_to_ndc;
+    // Names of the views of a stereo picture, as OpenEXR's attribute multiView has them: the root channels are those of
+    // the first one; the others' are among `channels`, named "right.R" or "Albedo.right.R". Empty: one view.
+    std::vector<std::string> views;
     std::vector<float> alpha; // root channel A, multiplied into the picture; empty: 1 everywhere
 };
 

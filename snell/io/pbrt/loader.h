@@ -167,6 +167,7 @@ struct Loader
     std::map<std::string, Index<Group>> shared_groups; // shapes of equal description
     std::optional<Parameter> screen_window;            // of the camera; it needs the film's shape
     float frame_aspect = 0.0f;
+    float film_diagonal = 35.0f;            // millimetres; pbrt's default
     vec3 even_light{0.0f};                  // sum of the constant infinite lights
     float exposure = 1.0f;                  // of the film
     std::size_t triangles_left = 4'000'000; // that shapes may be cut into beyond what the file spells out

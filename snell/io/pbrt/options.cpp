@@ -1,7 +1,10 @@
 // Camera, film, sampler and integrator: what stands before WorldBegin.
+#include "snell/io/lens_file.h"
 #include "snell/io/pbrt/loader.h"
 #include "snell/io/text_cursor.h"
+#include "snell/scene/camera_models.h"
 
+#include <algorithm>
 #include <cmath>
 
 namespace snell::pbrt {
@@ -39,6 +42,57 @@ void take_look(const Loader& loader, CameraDesc& camera)
     camera.eye = vec3(eye), camera.target = vec3(target), camera.up = vec3(up);
 }
 
+// Our own cameras: "fisheye" and "hmd" of docs/pbrt.md.
+void take_model(Loader& loader, const std::string& type, const ParameterList& parameters, CameraDesc& camera)
+{
+    CameraModel& m = camera.model;
+    m.kind = camera_hmd;
+    if (type == "fisheye") {
+        const std::string name = parameters.text("projection", "equidistant");
+        const CameraModelInfo* info = find_camera_model(name);
+        m.kind = info != nullptr ? info->kind : camera_equidistant;
+        const bool is_there = info != nullptr && (m.kind == camera_pinhole ||
+                                                  (m.kind >= camera_equidistant && m.kind <= camera_brown_conrady));
+        if (!is_there) {
+            m.kind = camera_equidistant;
+            loader.warn(parameters.spot, "projection " + name,
+                        fmt::format("the projection {} is not there; equidistant stands in", show_word(name)));
+        }
+    }
+    m.eye_distance = parameters.number("ipd", m.eye_distance);
+    if (const Parameter* k = parameters.find("distortion"))
+        if (!set_distortion(m, k->numbers))
+            loader.warn(k->spot, "distortion", "these are not the numbers that this lens has; they are ignored");
+    if (const Parameter* c = parameters.find("calibration")) { // width height fx fy cx cy
+        if (c->numbers.size() == 6) {
+            m.calibrated_width = c->numbers[0], m.calibrated_height = c->numbers[1];
+            m.focal = vec2(c->numbers[2], c->numbers[3]), m.center = vec2(c->numbers[4], c->numbers[5]);
+        } else {
+            loader.warn(c->spot, "calibration", "this has not six numbers, width height fx fy cx cy; it is ignored");
+        }
+    }
+}
+
+// pbrt's "realistic" camera: rays through glass. A lens that cannot be had leaves a pinhole, with a note.
+void take_lens(Loader& loader, const ParameterList& parameters, CameraDesc& camera)
+{
+    CameraModel& m = camera.model;
+    const std::string name = parameters.text("lensfile");
+    m.focus_distance = parameters.number("focusdistance", 10.0f); // these are pbrt's defaults
+    m.stop_diameter = parameters.number("aperturediameter", 1.0f);
+    m.millimetre = parameters.number("millimetre", 0.001f);
+    parameters.ignore({"shutteropen", "shutterclose", "aperture", "simpleweighting", "scale"});
+    try {
+        const LensPrescription* known = find_lens(name);
+        if (name.empty()) throw Error("the camera has no \"string lensfile\"");
+        m.lens = known != nullptr ? *known : load_lens(loader.resolve(name, parameters.spot));
+        m.kind = camera_lens;
+    } catch (const Error& error) {
+        loader.warn(parameters.spot, "lensfile", fmt::format("{}: a perspective camera stands in", error.what()));
+        m = CameraModel{};
+    }
+}
+
 } // namespace
 
 void set_camera(Loader& loader, const std::string& type, const ParameterList& parameters)
@@ -71,34 +125,59 @@ void set_camera(Loader& loader, const std::string& type, const ParameterList& pa
     frame = 0.0f;
     float fov = parameters.number("fov", 90.0f);
     if (const std::optional<float> half = parameters.number("halffov"); half && !parameters.has("fov")) fov = 2 * *half;
+    float largest_fov = 180.0f;
     if (type == "perspective") {
         if (const Parameter* window = parameters.find("screenwindow")) loader.screen_window = *window;
         frame = parameters.number("frameaspectratio", 0.0f);
-        if (parameters.number("lensradius", 0.0f) > 0.0f)
-            loader.warn(spot, "lens", "the camera's lens is left out: everything is sharp");
-        parameters.ignore({"focaldistance", "shutteropen", "shutterclose", "frameaspectratio"});
+        camera.model.lens_radius = parameters.number("lensradius", 0.0f);
+        const float focus = parameters.number("focaldistance", 1e6f); // pbrt's default
+        if (camera.model.lens_radius > 0.0f) camera.model.focus_distance = focus;
+        camera.model.blades = static_cast<uint>(std::max(parameters.integer("blades", 0), 0));
+        camera.model.blade_rotation_degrees = parameters.number("bladerotation", 0.0f);
+        parameters.ignore({"shutteropen", "shutterclose", "frameaspectratio"});
+    } else if (type == "orthographic") {
+        float half = 1.0f;
+        if (const Parameter* window = parameters.find("screenwindow"); window && window->numbers.size() == 4)
+            half = 0.5f * std::min(std::abs(window->numbers[1] - window->numbers[0]),
+                                   std::abs(window->numbers[3] - window->numbers[2]));
+        camera.model.kind = camera_orthographic;
+        const float scaled = length(up);
+        camera.model.half_side = std::abs(scaled - 1.0f) < 1e-5f ? half : half * scaled; // rotations leave it as it is
+        fov = CameraDesc{}.fov_degrees;
+        parameters.ignore(
+            {"lensradius", "focaldistance", "shutteropen", "shutterclose", "frameaspectratio", "screenwindow"});
+    } else if (type == "spherical" || type == "environment") {
+        camera.model.kind = camera_equirectangular;
+        fov = camera_models()[camera_equirectangular].usual_fov, largest_fov = 361.0f;
+        const char* const usual = type == "spherical" ? "equalarea" : "equirectangular"; // of pbrt-v4, and of v3
+        if (const std::string mapping = parameters.text("mapping", usual); mapping != "equirectangular")
+            loader.warn(spot, "mapping " + mapping,
+                        fmt::format("the mapping {} is not there; equirectangular stands in", show_word(mapping)));
+        parameters.ignore({"lensradius", "focaldistance", "shutteropen", "shutterclose", "frameaspectratio"});
+    } else if (type == "fisheye" || type == "hmd") {
+        take_model(loader, type, parameters, camera);
+        const CameraModelInfo& info = camera_models()[camera.model.kind];
+        fov = parameters.number("fov", info.usual_fov),
+        largest_fov = info.largest_fov == 360.0f ? 361.0f : info.largest_fov;
+    } else if (type == "realistic") {
+        take_lens(loader, parameters, camera);
+        camera.model.film_diagonal = loader.film_diagonal;
+        fov = camera_models()[camera_lens].usual_fov;
     } else {
         loader.warn(spot, "camera " + type,
                     fmt::format("the camera {} is not there; a perspective one stands in for it", show_word(type)));
-        if (type == "spherical" || type == "environment") fov = 90.0f;
-        if (type == "realistic") fov = 40.0f;
-        if (type == "orthographic") {
-            // From so far that the picture shows about the same.
-            float half = 1.0f;
-            if (const Parameter* window = parameters.find("screenwindow"); window && window->numbers.size() == 4)
-                half = 0.5f * std::min(std::abs(window->numbers[1] - window->numbers[0]),
-                                       std::abs(window->numbers[3] - window->numbers[2]));
-            fov = 40.0f;
-            const float distance = half * length(up) / std::tan(0.5f * fov * degree);
-            camera.eye -= normalize(view) * (std::isfinite(distance) ? distance : 0.0f);
-        }
         for (const Parameter& parameter : parameters.all()) parameter.used = true;
     }
-    if (!(fov > 0.0f) || !(fov < 180.0f)) {
+    if (!(fov > 0.0f) || !(fov < largest_fov)) {
         loader.warn(spot, "fov", fmt::format("a field of view of {} degrees is none; it becomes 90", fov));
         fov = 90.0f;
     }
     camera.fov_degrees = fov;
+    if (const std::string fault = camera_fault(camera); !fault.empty()) {
+        loader.warn(spot, "camera model", fmt::format("{}: a pinhole stands in", fault));
+        camera.model = CameraModel{};
+        camera.fov_degrees = std::min(fov, 90.0f);
+    }
     parameters.report_unused(fmt::format("Camera \"{}\"", type.substr(0, 40)), loader.notes);
 
     // The last one counts, as in pbrt; those with a name are all kept.
@@ -112,6 +191,8 @@ void finish_options(Loader& loader)
     RenderHints& hints = loader.scene.hints;
     if (loader.in_world && !hints.integrator) hints.integrator = "path", hints.max_depth = 5; // pbrt's default
     if (loader.scene.cameras.empty()) return;
+    for (CameraDesc& camera : loader.scene.cameras)
+        if (camera.model.kind == camera_lens) camera.model.film_diagonal = loader.film_diagonal;
     CameraDesc& camera = loader.scene.cameras.back();
     const float width = static_cast<float>(hints.width.value_or(1280));
     const float aspect = width / static_cast<float>(hints.height.value_or(720));
@@ -135,6 +216,10 @@ void set_film(Loader& loader, const std::string& type, const ParameterList& para
     hints.width = size("xresolution", loader.is_v3 ? 640 : 1280);
     hints.height = size("yresolution", loader.is_v3 ? 480 : 720);
     if (const std::string name = parameters.text("filename"); !name.empty()) hints.output = name;
+    if (const float diagonal = parameters.number("diagonal", 35.0f); std::isfinite(diagonal) && diagonal > 0.0f)
+        loader.film_diagonal = diagonal;
+    else
+        loader.warn(parameters.spot, "diagonal", fmt::format("a film of {} mm is none; 35 is taken", diagonal));
     if (const std::span<const float> crop = parameters.numbers("cropwindow"); crop.size() == 4) {
         std::array<float, 4> c{};
         for (std::size_t i = 0; i < 4; ++i) c[i] = clamp(std::isnan(crop[i]) ? 0.0f : crop[i], 0.0f, 1.0f);
@@ -159,8 +244,8 @@ void set_film(Loader& loader, const std::string& type, const ParameterList& para
                     fmt::format("the colours of the sensor {} are not imitated", show_word(sensor)));
     if (parameters.number("whitebalance", 0.0f) > 0.0f)
         loader.warn(parameters.spot, "whitebalance", "white balance is left to post-processing");
-    parameters.ignore({"diagonal", "savefp16", "maxcomponentvalue", "maxsampleluminance", "display", "fstop",
-                       "coordinatesystem", "nbuckets", "lambdamin", "lambdamax", "buckets", "filterimportance"});
+    parameters.ignore({"savefp16", "maxcomponentvalue", "maxsampleluminance", "display", "fstop", "coordinatesystem",
+                       "nbuckets", "lambdamin", "lambdamax", "buckets", "filterimportance"});
     parameters.report_unused(fmt::format("Film \"{}\"", type.substr(0, 40)), loader.notes);
 }
 

@@ -1,8 +1,14 @@
 // What stands before the world, and lights.
+#include "snell/io/lens_file.h"
 #include "snell/io/pbrt/loader.h"
 #include "snell/io/pbrt/write_parts.h"
+#include "snell/scene/camera_models.h"
 
+#include <fmt/ranges.h>
+
+#include <algorithm>
 #include <cmath>
+#include <span>
 
 namespace snell::pbrt {
 namespace {
@@ -10,7 +16,10 @@ namespace {
 void write_film(Writer& w)
 {
     const RenderHints& hints = w.scene.hints;
-    if (!hints.width && !hints.height && !hints.crop_window && !hints.output) return;
+    const auto lens = std::find_if(w.scene.cameras.begin(), w.scene.cameras.end(),
+                                   [](const CameraDesc& c) { return c.model.kind == camera_lens; });
+    const bool has_lens = lens != w.scene.cameras.end();
+    if (!hints.width && !hints.height && !hints.crop_window && !hints.output && !has_lens) return;
     std::string text = "Film \"rgb\"";
     if (hints.width) text += fmt::format(" \"integer xresolution\" {}", *hints.width);
     if (hints.height) text += fmt::format(" \"integer yresolution\" {}", *hints.height);
@@ -19,6 +28,7 @@ void write_film(Writer& w)
         text += fmt::format(" \"float cropwindow\" [ {} {} {} {} ]", c[0], c[1], c[2], c[3]);
     }
     if (hints.output) text += fmt::format(" \"string filename\" {}", in_quotes(*hints.output));
+    if (has_lens) text += fmt::format(" \"float diagonal\" {}", lens->model.film_diagonal);
     w.line("{}", text);
 }
 
@@ -51,6 +61,66 @@ void write_integrator(Writer& w)
     w.line("Integrator \"{}\" \"integer maxdepth\" {}", name == "whitted" ? "whitted" : "volpath", depth);
 }
 
+void write_lens_camera(Writer& w, const CameraDesc& c)
+{
+    const CameraModel& m = c.model;
+    std::string reference = m.lens.name;
+    if (w.writes_files || find_lens(reference) == nullptr) {
+        const SideFolder::Slot slot = w.lenses.next(".txt");
+        reference = slot.reference;
+        w.files.emplace_back([path = slot.path, &m] { write_lens(m.lens, path); });
+    }
+    // pbrt's apertures are never "as wide as they are".
+    const float stop = m.stop_diameter > 0.0f ? m.stop_diameter : stop_diameter(m.lens);
+    const float focus = m.focus_distance > 0.0f ? m.focus_distance : length(c.target - c.eye);
+    w.line("Camera \"realistic\" \"string lensfile\" {} \"float aperturediameter\" {} \"float focusdistance\" {}{}",
+           in_quotes(reference), stop, focus,
+           m.millimetre != 0.001f ? fmt::format(" \"float millimetre\" {}", m.millimetre) : "");
+    if (m.millimetre != 0.001f) w.inform("a lens in other units than metres is snell's own; pbrt takes metres");
+}
+
+void write_camera_model(Writer& w, const CameraDesc& c)
+{
+    const CameraModel& m = c.model;
+    if (m.kind == camera_orthographic) {
+        const float half =
+            m.half_side > 0.0f ? m.half_side : length(c.target - c.eye) * std::tan(c.fov_degrees * (pi / 360.0f));
+        const float aspect = static_cast<float>(w.scene.hints.width.value_or(1280)) /
+                             static_cast<float>(w.scene.hints.height.value_or(720));
+        const float x = half * std::max(aspect, 1.0f), y = half * std::max(1.0f / aspect, 1.0f);
+        w.line("Camera \"orthographic\" \"float screenwindow\" [ {} {} {} {} ]", -x, x, -y, y);
+        return;
+    }
+    if (m.kind == camera_lens) return write_lens_camera(w, c);
+    if (m.kind == camera_equirectangular) {
+        w.line("Camera \"spherical\" \"string mapping\" \"equirectangular\"");
+        return;
+    }
+    if (m.kind == camera_pinhole) {
+        std::string lens;
+        if (m.lens_radius > 0.0f) {
+            const float focus = m.focus_distance > 0.0f ? m.focus_distance : length(c.target - c.eye);
+            lens = fmt::format(" \"float lensradius\" {} \"float focaldistance\" {}", m.lens_radius, focus);
+            if (m.blades > 2)
+                lens += fmt::format(" \"integer blades\" {} \"float bladerotation\" {}", m.blades,
+                                    m.blade_rotation_degrees);
+        }
+        w.line("Camera \"perspective\" \"float fov\" {}{}", c.fov_degrees, lens);
+        return;
+    }
+    std::string line = m.kind == camera_hmd ? fmt::format("Camera \"hmd\" \"float ipd\" {}", m.eye_distance)
+                                            : fmt::format("Camera \"fisheye\" \"string projection\" \"{}\"",
+                                                          camera_models()[m.kind].name);
+    line += fmt::format(" \"float fov\" {}", c.fov_degrees);
+    if (const std::vector<float> k = distortion_of(m); !k.empty())
+        line += fmt::format(" \"float distortion\" [ {} ]", fmt::join(k, " "));
+    if (m.calibrated_width > 0.0f)
+        line += fmt::format(" \"float calibration\" [ {} {} {} {} {} {} ]", m.calibrated_width, m.calibrated_height,
+                            m.focal.x, m.focal.y, m.center.x, m.center.y);
+    w.line("{}", line);
+    w.inform("fisheye and hmd are cameras of snell's own; pbrt does not know them");
+}
+
 } // namespace
 
 void write_cameras(Writer& w)
@@ -65,7 +135,7 @@ void write_cameras(Writer& w)
         // A name as a parameter would stop pbrt.
         const std::string name = c.name.empty() && cameras.size() > 1 ? fmt::format("camera {}", i) : c.name;
         if (!name.empty()) w.line("CoordinateSystem {}", in_quotes(fmt::format("{}{}", camera_mark, name)));
-        w.line("Camera \"perspective\" \"float fov\" {}", c.fov_degrees);
+        write_camera_model(w, c);
     }
     if (cameras.size() > 1) w.inform("the file has several cameras: snell takes the first one, pbrt the last");
 }

@@ -65,14 +65,15 @@ struct Writer
 {
     // to: null for the text alone, without any file.
     Writer(const Scene& from, const std::filesystem::path* to)
-        : scene(from), plan(from), writes_files(to != nullptr), meshes(to, "meshes"), textures(to, "textures")
+        : scene(from), plan(from), writes_files(to != nullptr), meshes(to, "meshes"), textures(to, "textures"),
+          lenses(to, "lenses")
     {
     }
 
     const Scene& scene;
     Plan plan;
     const bool writes_files;
-    SideFolder meshes, textures;
+    SideFolder meshes, textures, lenses;
     std::string text;
     std::vector<Note> notes;
     std::vector<std::function<void()>> files;         // to write, in any order

@@ -217,18 +217,11 @@ TWIN(layout_lens_system, 0.0f, 0.0f, 0.0f) // the address at its beginning is re
 {
     uint i = index_below(1000u);
     LensSystem lens = RAW(TwinLenses).at[i];
-    give(lens.first);
-    give(lens.interface_count);
-    give(lens.pupil_count);
-    give(lens.film_radius);
-    give(lens.rear_z);
-    give(lens.entrance_z);
-    give(lens.gain);
-    give(lens.unit);
+    give_lens_system(lens);
 }
 TWIN(layout_camera, 0.0f, 0.0f, 0.0f)
 {
-    uint i = index_below(2000u);
+    uint i = index_below(1400u);
     give_camera(RAW(TwinCameras).at[i]);
     SampleKey k = RAW(TwinKeys).at[i];
     give(k.kind);
@@ -237,7 +230,7 @@ TWIN(layout_camera, 0.0f, 0.0f, 0.0f)
 }
 TWIN(layout_params, 0.0f, 0.0f, 0.0f)
 {
-    uint i = index_below(2000u);
+    uint i = index_below(1200u);
     RenderParams p = RAW(TwinParams).at[i];
     give_camera(p.camera);
     give(p.width);

@@ -1,34 +1,12 @@
 // Lens systems: a double Gauss of 50 mm in focus at two metres.
 #ifndef TWIN_CASES
-#include "snell/kernel/lens_system.h"
-#include "tests/gpu/scene_sizes.h"
-SNELL_BEGIN
-SNELL_FN_COLD LensSystem twin_lens(SNELL_IN(SceneView) scene)
-{
-    vec4 rest = scene.colors.at[scene_lens_first + scene_lens_interfaces + scene_lens_pupils];
-    LensSystem lens;
-    lens.table = scene.colors;
-    lens.first = scene_lens_first;
-    lens.interface_count = scene_lens_interfaces;
-    lens.pupil_count = scene_lens_pupils;
-    lens.rear_z = rest.x;
-    lens.entrance_z = rest.y;
-    lens.gain = rest.z;
-    lens.film_radius = rest.w;
-    lens.unit = 0.001f;
-    return lens;
-}
-// A ray that has been blocked says no more than that: where it was is of no use.
-SNELL_FN void give_lens_ray(LensRay ray)
-{
-    give(ray.weight);
-    if (ray.weight == 0.0f) return;
-    give(ray.origin);
-    give(ray.direction);
-}
-SNELL_END
+#include "tests/gpu/draw.h"
 #else
 
+TWIN(no_lens, 0.0f, 0.0f, 0.0f)
+{
+    give_lens_system(no_lens());
+}
 TWIN(lens_interface, 0.0f, 0.0f, 0.0f)
 {
     uint i = index_below(scene_lens_interfaces);
