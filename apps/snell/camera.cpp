@@ -16,6 +16,8 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
+constexpr int trip_side = 100; // even, so that no point lies between the eyes of an HMD
+
 struct Request
 {
     SceneChoice scene;
@@ -82,7 +84,7 @@ void measure(const Request& request)
     const float size = bounds.empty() ? 1.0f : std::max(0.5f * length(bounds.extent()), 1e-6f);
 
     const FieldOfView fov = field_of_view(camera);
-    const RoundTrip trip = round_trip(camera, 101, size);
+    const RoundTrip trip = round_trip(camera, trip_side, size);
     const std::vector<CurvePoint> curve = distortion_curve(camera, request.points);
     std::vector<VignettingPoint> dark;
     if (camera.glass) dark = vignetting(camera.lens, request.points);
@@ -111,7 +113,8 @@ void measure(const Request& request)
     fmt::print("round trip     {:.2g} pixels at worst, {:.2g} in the mean of {}", trip.worst, trip.mean, trip.points);
     if (trip.lost > 0) fmt::print("; {} not found", trip.lost);
     if (trip.unseeing > 0)
-        fmt::print("; {:.1f}% of the picture sees nothing", static_cast<double>(trip.unseeing) / 102.01);
+        fmt::print("; {:.1f}% of the picture sees nothing",
+                   100.0 * static_cast<double>(trip.unseeing) / (trip_side * trip_side));
     fmt::print("\n\nradius [pixels]  angle [degrees]\n");
     for (const CurvePoint& p : curve) fmt::print("{:15.3f}  {:>15}\n", p.radius, angle_in_words(p.angle));
     if (camera.glass) print_lens(desc.model, *camera.glass, dark);

@@ -163,7 +163,10 @@ void choose_camera(Scene& scene, const CameraChoice& choice, float aspect)
     if (choice.eye || choice.target || choice.up) camera.node = {}; // it stands where it was put
     choose_model(camera, choice);
     if (choice.fov_degrees) camera.fov_degrees = *choice.fov_degrees;
-    if (const std::string fault = camera_fault(camera); !fault.empty()) throw UsageError("the camera has " + fault);
+    if (const std::string fault = camera_fault(camera); !fault.empty()) {
+        const bool is_fov = choice.fov_degrees && fault.starts_with("a field of view");
+        throw UsageError((is_fov ? "--fov: the camera has " : "the camera has ") + fault);
+    }
 
     const vec3 view = camera.target - camera.eye;
     if (!(length(view) > 0.0f)) throw UsageError("--eye and --target are the same point; move one of them");
