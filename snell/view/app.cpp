@@ -255,9 +255,14 @@ void App::move_by_keys(double seconds)
     show_camera(fly(state_.camera, move.x * step, move.y * step, move.z * step), when);
 }
 
-void App::show_camera(const CameraDesc& camera, double when)
+void App::show_camera(const CameraDesc& wanted, double when)
 {
+    CameraDesc camera = wanted;
+    // Or each step would focus it anew, on a target whose distance is rounded to another number.
+    if (camera.model.kind == camera_lens && !(camera.model.focus_distance > 0.0f))
+        camera.model.focus_distance = length(camera.target - camera.eye);
     if (state_.opened == 0) return; // there is nothing to be seen yet
+    if (const std::string fault = camera_fault(camera); !fault.empty()) return state_.say("the camera has " + fault);
     state_.camera = camera;
     if (!camera_to_send_) camera_when_ = when;
     camera_to_send_ = camera;
@@ -277,7 +282,7 @@ void App::pick(float x, float y)
         if (at.pane < access.prepared.size() && access.prepared[at.pane] != nullptr) {
             const Prepared& prepared = *access.prepared[at.pane];
             const RenderSettings& settings = access.panes[at.pane].settings;
-            const Camera camera = make_camera(access.camera, settings.width, settings.height);
+            const ReadyCamera camera = make_camera(access.camera, settings.width, settings.height);
             const Ray ray = camera_ray(camera, vec2(static_cast<float>(at.x) + 0.5f, static_cast<float>(at.y) + 0.5f));
             const Hit hit = RayScene(prepared.packed.view(), *prepared.accel).intersect(ray);
             if (is_hit(hit)) point = PickedPoint{ray.origin + hit.t * ray.direction, hit.t, none};

@@ -1,9 +1,8 @@
 // What the window shows: menu, panes, column of panels, status line, and what is said where there is no picture.
 #include "snell/view/app.h"
 
-#include "snell/kernel/camera.h"
-#include "snell/render/params.h"
 #include "snell/scene/builtin.h"
+#include "snell/view/overlay.h"
 #include "snell/view/script.h"
 #include "snell/view/widgets.h"
 
@@ -167,8 +166,8 @@ void App::draw_sketch()
     if (sketch == nullptr) return;
     ImDrawList& list = *ImGui::GetBackgroundDrawList();
     for (const Pane& pane : state_.panes) {
-        const Camera camera =
-            make_camera(sketch->camera, std::max(1, static_cast<int>(pane.w)), std::max(1, static_cast<int>(pane.h)));
+        const Overlay overlay(sketch->camera, pane, std::max(1.0f, std::floor(pane.w)),
+                              std::max(1.0f, std::floor(pane.h)), list);
         list.PushClipRect(ImVec2(pane.clip_x0, pane.y), ImVec2(pane.clip_x1, pane.y + pane.h));
         if (state_.opened != 0) // the old scene is still there: it steps back
             list.AddRectFilled(ImVec2(pane.x, pane.y), ImVec2(pane.x + pane.w, pane.y + pane.h),
@@ -182,9 +181,7 @@ void App::draw_sketch()
                 if ((corner & 2) != 0) a[(axis + 2) % 3] = box.upper[(axis + 2) % 3];
                 b = a;
                 b[axis] = box.upper[axis];
-                const vec3 p = camera_project(camera, a), q = camera_project(camera, b);
-                if (p.z <= 0.0f || q.z <= 0.0f) continue;
-                list.AddLine(ImVec2(pane.x + p.x, pane.y + p.y), ImVec2(pane.x + q.x, pane.y + q.y), color);
+                overlay.line(a, b, color);
             }
         };
         for (const Bounds& box : sketch->boxes) draw_box(box, IM_COL32(150, 170, 200, 90));

@@ -13,37 +13,25 @@ class Overlay
 {
   public:
     Overlay(const ViewState& state, const Pane& pane, ImDrawList& list)
-        : pane_(pane), list_(list), width_(static_cast<float>(std::max(pane.request.settings.width, 1))),
-          height_(static_cast<float>(std::max(pane.request.settings.height, 1))),
-          camera_(make_camera(state.camera, static_cast<int>(width_), static_cast<int>(height_)))
+        : Overlay(state.camera, pane, static_cast<float>(std::max(pane.request.settings.width, 1)),
+                  static_cast<float>(std::max(pane.request.settings.height, 1)), list)
     {
     }
+    // For a picture of that many pixels.
+    Overlay(const CameraDesc& camera, const Pane& pane, float width, float height, ImDrawList& list);
 
     vec3 eye() const { return camera_.origin; }
 
-    // Nothing: behind the camera.
+    // Nothing: it is not seen. Of an HMD: in the left eye.
     std::optional<ImVec2> point(vec3 p) const
     {
-        const vec3 at = camera_project(camera_, p);
+        const vec3 at = project(p, 0);
         if (!(at.z > 0.0f) || !is_finite(at.x) || !is_finite(at.y)) return std::nullopt;
         return to_window(at);
     }
 
-    // Cut off at a plane just before the camera.
-    void line(vec3 a, vec3 b, ImU32 color, float thickness = 1.0f) const
-    {
-        const float near = 1e-4f * (length(a - camera_.origin) + length(b - camera_.origin));
-        float da = dot(a - camera_.origin, camera_.forward), db = dot(b - camera_.origin, camera_.forward);
-        if (da < near && db < near) return;
-        if (da < near) a = a + (b - a) * ((near - da) / (db - da));
-        if (db < near) b = b + (a - b) * ((near - db) / (da - db));
-        const vec3 pa = camera_project(camera_, a), pb = camera_project(camera_, b);
-        if (!is_finite3(pa) || !is_finite3(pb)) return;
-        // Far outside, ImGui's own clipping runs out of precision.
-        const float far = 1e5f;
-        if (std::abs(pa.x) > far || std::abs(pa.y) > far || std::abs(pb.x) > far || std::abs(pb.y) > far) return;
-        list_.AddLine(to_window(pa), to_window(pb), color, thickness);
-    }
+    // Bent as the camera bends it, in both eyes of an HMD; cut off where it is not seen.
+    void line(vec3 a, vec3 b, ImU32 color, float thickness = 1.0f) const;
 
     void dot_at(vec3 p, float radius, ImU32 color) const
     {
@@ -61,7 +49,19 @@ class Overlay
     const Pane& pane_;
     ImDrawList& list_;
     float width_, height_;
-    Camera camera_;
+    ReadyCamera camera_;
+    std::vector<vec2> lens_; // of a traced one: angle of a ray from the axis, and its radius on the film; ascending
+
+    // As camera_project_eye(); through a traced lens by a table, to a pixel or so: there may be thousands of lines.
+    vec3 project(vec3 p, uint eye) const;
+    void straight_line(vec3 a, vec3 b, ImU32 color, float thickness) const;
+    struct Pen
+    {
+        uint eye;
+        ImU32 color;
+        float thickness;
+    };
+    void bent_line(vec3 a, vec3 at_a, vec3 b, vec3 at_b, int level, const Pen& pen) const;
 
     ImVec2 to_window(vec3 at) const
     {

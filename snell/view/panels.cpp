@@ -9,6 +9,7 @@ std::unique_ptr<Panel> make_inspector_panel();
 std::unique_ptr<Panel> make_timeline_panel();
 std::unique_ptr<Panel> make_settings_panel();
 std::unique_ptr<Panel> make_view_settings_panel();
+std::unique_ptr<Panel> make_camera_lab_panel();
 std::unique_ptr<Panel> make_views_panel();
 std::unique_ptr<Panel> make_probe_panel();
 std::unique_ptr<Panel> make_paths_panel();
@@ -27,6 +28,7 @@ std::vector<std::unique_ptr<Panel>> make_panels()
     panels.push_back(make_inspector_panel());
     panels.push_back(make_timeline_panel());
     panels.push_back(make_view_settings_panel());
+    panels.push_back(make_camera_lab_panel());
     panels.push_back(make_views_panel());
     panels.push_back(make_probe_panel());
     panels.push_back(make_paths_panel());

@@ -28,7 +28,7 @@ static uint instance_of(const Prepared& prepared, const Hit& hit)
 std::optional<PickedSurface> pick_surface(const Prepared& prepared, const CameraDesc& desc,
                                           const RenderSettings& settings, int x, int y)
 {
-    const Camera camera = make_camera(desc, settings.width, settings.height);
+    const ReadyCamera camera = make_camera(desc, settings.width, settings.height);
     const Ray ray = camera_ray(camera, vec2(static_cast<float>(x) + 0.5f, static_cast<float>(y) + 0.5f));
     Hit hit;
     intersect_covered(prepared.packed.view(), *prepared.accel, {&ray, 1}, {&hit, 1}, true, [](uint) { return 0u; });

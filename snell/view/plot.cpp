@@ -17,31 +17,39 @@ ImU32 curve_color(std::size_t number)
 }
 
 namespace {
-// Logarithms to base 10 of what is shown along an axis.
+// What is shown along an axis: numbers, or their logarithms to base 10.
 struct Range
 {
+    bool is_log = true;
     double low = std::numeric_limits<double>::infinity(), high = -std::numeric_limits<double>::infinity();
 
+    bool has(double value) const { return std::isfinite(value) && (!is_log || value > 0); }
+    double place(double value) const { return is_log ? std::log10(value) : value; }
+    double value(double part) const
+    {
+        const double at = low + part * (high - low);
+        return is_log ? std::pow(10.0, at) : at;
+    }
     void extend(double value)
     {
-        if (!(value > 0) || !std::isfinite(value)) return;
-        low = std::min(low, std::log10(value));
-        high = std::max(high, std::log10(value));
+        low = std::min(low, place(value));
+        high = std::max(high, place(value));
     }
     bool is_empty() const { return !(low <= high); }
     // A tenth of a decade of air at least.
     void widen()
     {
-        const double air = std::max(0.05, 0.04 * (high - low));
+        const double least = is_log ? 0.05 : (high > low ? 0.0 : std::max(0.5 * std::abs(high), 1e-6));
+        const double air = std::max(least, 0.04 * (high - low));
         low -= air, high += air;
     }
-    double part(double value) const { return (std::log10(value) - low) / (high - low); }
+    double part(double value) const { return (place(value) - low) / (high - low); }
 };
 
-class LogLogPlot
+class Plot
 {
   public:
-    LogLogPlot(ImVec2 corner, ImVec2 size, Range x_range, Range y_range)
+    Plot(ImVec2 corner, ImVec2 size, Range x_range, Range y_range)
         : low(corner.x, corner.y), high(corner.x + size.x, corner.y + size.y), x(x_range), y(y_range),
           list(*ImGui::GetWindowDrawList())
     {
@@ -60,12 +68,12 @@ class LogLogPlot
         const ImU32 text = ImGui::GetColorU32(ImGuiCol_TextDisabled);
         list.AddRect(low, high, decade);
         for_lines(x, [&](double value, bool is_decade, bool has_number) {
-            const float px = at(value, 1).x;
+            const float px = low.x + static_cast<float>(x.part(value)) * (high.x - low.x);
             list.AddLine({px, low.y}, {px, high.y}, is_decade ? decade : fine);
             if (has_number) list.AddText({px + 2, high.y + 1}, text, fmt::format("{:g}", value).c_str());
         });
         for_lines(y, [&](double value, bool is_decade, bool has_number) {
-            const float py = at(1, value).y;
+            const float py = high.y - static_cast<float>(y.part(value)) * (high.y - low.y);
             list.AddLine({low.x, py}, {high.x, py}, is_decade ? decade : fine);
             if (has_number) list.AddText({low.x + 3, py}, text, fmt::format("{:g}", value).c_str());
         });
@@ -77,8 +85,7 @@ class LogLogPlot
         bool has_last = false;
         ImVec2 last;
         for (std::size_t i = 0; i < std::min(series.x.size(), series.y.size()); ++i) {
-            if (!(series.x[i] > 0) || !(series.y[i] > 0) || !std::isfinite(series.x[i]) || !std::isfinite(series.y[i]))
-                continue;
+            if (!x.has(series.x[i]) || !y.has(series.y[i])) continue;
             const ImVec2 p = at(series.x[i], series.y[i]);
             if (has_last && series.is_dashed)
                 dashes(last, p, series.color, scale);
@@ -95,6 +102,13 @@ class LogLogPlot
     template <class Draw>
     static void for_lines(const Range& range, const Draw& draw)
     {
+        if (!range.is_log) {
+            const double raw = (range.high - range.low) / 4, power = std::pow(10.0, std::floor(std::log10(raw)));
+            const double step = power * (raw < 2 * power ? 1 : raw < 5 * power ? 2 : 5);
+            for (double i = std::ceil(range.low / step); i * step < range.high; ++i)
+                draw(i * step + 0.0, i == 0.0, i * step > range.low + 0.02 * (range.high - range.low));
+            return;
+        }
         const int first = static_cast<int>(std::floor(range.low)), last = static_cast<int>(std::ceil(range.high));
         if (last - first > 40) return;
         const bool is_short = range.high - range.low < 1.5;
@@ -121,20 +135,21 @@ class LogLogPlot
 };
 } // namespace
 
-void plot_log_log(const char* id, std::span<const PlotSeries> series, const char* x_name, const char* y_name,
-                  float height)
+static void plot(const char* id, std::span<const PlotSeries> series, const char* x_name, const char* y_name,
+                 float height, bool is_log)
 {
     const float line = ImGui::GetTextLineHeight();
     const ImVec2 corner = ImGui::GetCursorScreenPos();
     const ImVec2 size(std::max(ImGui::GetContentRegionAvail().x, 4 * line), height);
     ImGui::InvisibleButton(id, ImVec2(size.x, size.y + 2 * line));
     Range x, y;
+    x.is_log = y.is_log = is_log;
     for (const PlotSeries& s : series)
         for (std::size_t i = 0; i < std::min(s.x.size(), s.y.size()); ++i)
-            if (s.x[i] > 0 && s.y[i] > 0) x.extend(s.x[i]), y.extend(s.y[i]);
+            if (x.has(s.x[i]) && y.has(s.y[i])) x.extend(s.x[i]), y.extend(s.y[i]);
     if (x.is_empty() || y.is_empty()) return;
     x.widen(), y.widen();
-    const LogLogPlot plot({corner.x, corner.y + line}, {size.x, size.y - line}, x, y);
+    const Plot plot({corner.x, corner.y + line}, {size.x, size.y - line}, x, y);
     ImDrawList& list = *ImGui::GetWindowDrawList();
     list.AddText(corner, ImGui::GetColorU32(ImGuiCol_TextDisabled), y_name);
     const ImVec2 width = ImGui::CalcTextSize(x_name);
@@ -145,13 +160,21 @@ void plot_log_log(const char* id, std::span<const PlotSeries> series, const char
     list.PopClipRect();
     if (!ImGui::IsItemHovered()) return;
     const ImVec2 mouse = ImGui::GetIO().MousePos;
-    const auto value = [](const Range& r, float part) {
-        return std::pow(10.0, r.low + double{part} * (r.high - r.low));
-    };
-    ImGui::SetTooltip("%s", fmt::format("{}: {:.3g}\n{}: {:.3g}", x_name,
-                                        value(x, (mouse.x - plot.low.x) / (plot.high.x - plot.low.x)), y_name,
-                                        value(y, (plot.high.y - mouse.y) / (plot.high.y - plot.low.y)))
-                                .c_str());
+    const double u = static_cast<double>((mouse.x - plot.low.x) / (plot.high.x - plot.low.x));
+    const double v = static_cast<double>((plot.high.y - mouse.y) / (plot.high.y - plot.low.y));
+    ImGui::SetTooltip("%s", fmt::format("{}: {:.3g}\n{}: {:.3g}", x_name, x.value(u), y_name, y.value(v)).c_str());
+}
+
+void plot_log_log(const char* id, std::span<const PlotSeries> series, const char* x_name, const char* y_name,
+                  float height)
+{
+    plot(id, series, x_name, y_name, height, true);
+}
+
+void plot_lines(const char* id, std::span<const PlotSeries> series, const char* x_name, const char* y_name,
+                float height)
+{
+    plot(id, series, x_name, y_name, height, false);
 }
 
 } // namespace snell::view

@@ -25,4 +25,8 @@ ImU32 curve_color(std::size_t number);
 void plot_log_log(const char* id, std::span<const PlotSeries> series, const char* x_name, const char* y_name,
                   float height);
 
+// The same over two even axes, of all numbers that are finite.
+void plot_lines(const char* id, std::span<const PlotSeries> series, const char* x_name, const char* y_name,
+                float height);
+
 } // namespace snell::view

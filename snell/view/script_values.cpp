@@ -57,7 +57,7 @@ void set_value(App& app, const std::string& name, const std::string& value)
     } else if (name == "tone") {
         state.curve = find_view_transform(value);
     } else if (name == "fov") {
-        camera.fov_degrees = number(name, value, 0.001, 179.0);
+        camera.fov_degrees = number(name, value, 0.001, 360.0);
         state.look(camera);
     } else if (name == "eye" || name == "target" || name == "up") {
         state.look(parse_camera("--" + name + " " + value, camera));

@@ -1,5 +1,6 @@
 #include "snell/view/navigation.h"
 
+#include "snell/core/error.h"
 #include "snell/kernel/camera.h"
 #include "snell/render/params.h"
 #include "snell/view/camera_text.h"
@@ -27,7 +28,7 @@ static void expect_near(vec3 a, vec3 b, float tolerance = 1e-5f)
 // Where a point appears, in the unit square of the picture.
 static vec2 seen_at(const CameraDesc& desc, vec3 point)
 {
-    const Camera camera = make_camera(desc, 1000, 1000);
+    const ReadyCamera camera = make_camera(desc, 1000, 1000);
     const vec3 p = camera_project(camera, point);
     EXPECT_GT(p.z, 0.0f);
     return {p.x / 1000.0f, p.y / 1000.0f};
@@ -104,7 +105,7 @@ TEST(Navigation, FrameShowsAllCorners)
     box.extend({5, 2, 9});
     for (const float aspect : {0.5f, 1.0f, 2.5f}) {
         const CameraDesc framed = frame(camera_at({40, 30, 20}, {0, 0, 0}), box, aspect);
-        const Camera camera = make_camera(framed, static_cast<int>(400 * aspect), 400);
+        const ReadyCamera camera = make_camera(framed, static_cast<int>(400 * aspect), 400);
         float widest = 0.0f;
         for (int corner = 0; corner < 8; ++corner) {
             const vec3 p((corner & 1) ? box.upper.x : box.lower.x, (corner & 2) ? box.upper.y : box.lower.y,
@@ -152,6 +153,38 @@ TEST(Navigation, CamerasComeBackFromText)
     EXPECT_THROW(parse_camera("--fov", camera), std::exception);
     EXPECT_THROW(parse_camera("--fov 0", camera), std::exception);
     EXPECT_THROW(parse_camera("--eye 1,2,3 --target 1,2,3", camera), std::exception);
+}
+
+TEST(Navigation, CameraModelsComeBackFromText)
+{
+    for (const CameraModelInfo& info : camera_models()) {
+        CameraDesc camera = camera_at({1, 2, 3}, {4, 5, 7});
+        camera.fov_degrees = info.usual_fov;
+        camera.model = usual_model(info.kind);
+        camera.model.focus_distance = 0.7f;
+        if (info.kind == camera_pinhole)
+            camera.model.lens_radius = 0.1f, camera.model.blades = 6, camera.model.blade_rotation_degrees = 12.5f;
+        if (info.kind == camera_orthographic) camera.model.half_side = 1.3f;
+        if (info.kind == camera_hmd) camera.model.eye_distance = 0.07f, camera.model.k = {0.1f, 0, 0.2f, 0, 0.3f};
+        if (info.kind == camera_brown_conrady) camera.model.k = {0.1f, 0, 0.01f, 0, 0, 0, 0, 0.002f};
+        if (info.kind == camera_lens)
+            camera.model.lens = *find_lens("fisheye"), camera.model.film_diagonal = 20.0f,
+            camera.model.stop_diameter = 3.0f, camera.model.millimetre = 0.01f;
+        EXPECT_EQ(parse_camera(camera_options(camera), CameraDesc{}).model, camera.model) << camera_options(camera);
+    }
+    for (const char* nonsense :
+         {"--camera-model none", "--lens no-such-lens", "--lens-radius x", "--distortion 1,2", "--lens-radius -1",
+          "--camera-model hmd --distortion 1,2", "--lens double-gauss --focus-distance 0.001"})
+        EXPECT_THROW(parse_camera(nonsense, camera_at({1, 2, 3}, {4, 5, 7})), Error) << nonsense;
+
+    // A line keeps what the one before it said, so a pinhole after another model says that it is one.
+    std::vector<CameraDesc> views(3, camera_at({1, 2, 3}, {4, 5, 7}));
+    views[0].model = usual_model(camera_equidistant), views[1].model.lens_radius = 0.2f;
+    const std::filesystem::path file = std::filesystem::path(testing::TempDir()) / "models.txt";
+    write_views(file, views);
+    const std::vector<CameraDesc> back = read_views(file);
+    ASSERT_EQ(back.size(), 3u);
+    for (std::size_t i = 0; i < 3; ++i) EXPECT_EQ(back[i].model, views[i].model) << i;
 }
 
 } // namespace snell::view

@@ -92,6 +92,25 @@ TEST_F(Viewer, ControlsWorkAndDoNotDisturbThePicture)
     EXPECT_GT(mean("light.png").x, mean("dark.png").x);
 }
 
+TEST_F(Viewer, LooksThroughEveryCameraModel)
+{
+    std::string text =
+        "open grid\nwait picture\npanel \"Camera laboratory\" open\npanel Trees open\nset trees.level 2\n";
+    for (const char* model : {"orthographic", "equirectangular", "equidistant", "equisolid", "stereographic",
+                              "fisheye-orthographic", "kannala-brandt", "brown-conrady", "hmd", "lens", "rectilinear"})
+        text += std::string("set camera_model ") + model + "\nwait picture\nwait frame\nassert round_trip < 0.05\n";
+    text += "assert camera_model pinhole\n"
+            "set focus_by_click on\n"
+            "click 300 300\n"
+            "wait 1000\n"
+            "assert focus_distance > 0.5\n"
+            "set camera_model lens\n"
+            "set camera \"--focus-distance 0.001\"\n";
+    const Outcome outcome = script(text);
+    EXPECT_EQ(outcome.code, 2);
+    EXPECT_NE(outcome.err.find("focus farther away"), std::string::npos) << outcome.err;
+}
+
 TEST_F(Viewer, OpensWhatIsDropped)
 {
     program_.write("box.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");

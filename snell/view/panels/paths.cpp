@@ -135,7 +135,8 @@ std::string numbers(vec3 v)
 
 bool same_view(const CameraDesc& a, const CameraDesc& b)
 {
-    return a.eye == b.eye && a.target == b.target && a.up == b.up && a.fov_degrees == b.fov_degrees;
+    return a.eye == b.eye && a.target == b.target && a.up == b.up && a.fov_degrees == b.fov_degrees &&
+           a.model == b.model;
 }
 
 class PathsPanel : public Panel

@@ -119,26 +119,18 @@ class PixelPanel : public Panel
     }
 
   private:
+    using CameraKey = std::pair<std::array<float, 12>, CameraModel>;
     bool follows_mouse_ = true;
     std::optional<PickedPixel> asked_;
-    std::array<float, 12> asked_camera_{};
+    CameraKey asked_camera_{};
     Question<Found> question_;
 
-    static std::array<float, 12> camera_key(const ViewState& state)
+    static CameraKey camera_key(const ViewState& state)
     {
         const CameraDesc& c = state.camera;
-        return {c.eye.x,
-                c.eye.y,
-                c.eye.z,
-                c.target.x,
-                c.target.y,
-                c.target.z,
-                c.up.x,
-                c.up.y,
-                c.up.z,
-                c.fov_degrees,
-                static_cast<float>(state.status.scene_version),
-                static_cast<float>(state.opened)};
+        return {{c.eye.x, c.eye.y, c.eye.z, c.target.x, c.target.y, c.target.z, c.up.x, c.up.y, c.up.z, c.fov_degrees,
+                 static_cast<float>(state.status.scene_version), static_cast<float>(state.opened)},
+                c.model};
     }
 
     static std::optional<PickedPixel> under_mouse(const ViewState& state)

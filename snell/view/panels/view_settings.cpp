@@ -1,4 +1,5 @@
 // How the scene is looked at: camera, exposure, view transform, stored views.
+#include "snell/scene/camera_models.h"
 #include "snell/view/camera_text.h"
 #include "snell/view/navigation.h"
 #include "snell/view/panel.h"
@@ -6,6 +7,8 @@
 #include "snell/view/widgets.h"
 
 #include <imgui.h>
+
+#include <algorithm>
 
 namespace snell::view {
 
@@ -28,8 +31,12 @@ class ViewSettings : public Panel
         ImGui::Separator();
 
         CameraDesc camera = state.camera;
-        bool changed = slider("Field of view", camera.fov_degrees, 1.0f, 170.0f,
-                              "Full angle of the picture's shorter side, in degrees", "%.1f deg");
+        const uint kind = camera.model.kind;
+        bool changed = false;
+        if (kind != camera_lens && kind != camera_equirectangular) // which see what they see
+            changed = slider("Field of view", camera.fov_degrees, 1.0f,
+                             std::min(camera_models()[kind].largest_fov - 10.0f, 350.0f),
+                             "Full angle of the picture's shorter side, in degrees", "%.1f deg");
         const float step = 0.002f * std::max(natural_speed(state.bounds), 1e-6f);
         changed |= vector("Eye", camera.eye, step, "Where the camera stands, in the scene's units");
         changed |= vector("Target", camera.target, step, "A point it looks at");
