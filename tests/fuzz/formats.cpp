@@ -2,8 +2,11 @@
 
 #include "seeds.h"
 
+#include "snell/io/calibration.h"
 #include "snell/io/image/read.h"
+#include "snell/io/lens_file.h"
 #include "snell/io/load.h"
+#include "snell/scene/camera_models.h"
 
 #include <unistd.h>
 
@@ -57,6 +60,8 @@ std::vector<Format> make_formats()
         {"ply", "mesh.ply", "mesh.ply"},
         {"stl", "mesh.stl", "mesh.stl"},
         {"gz", "mesh.ply.gz", "mesh.ply.gz"},
+        {"lens", "lens.txt", "lens.txt", true},
+        {"calibration", "calibration.yml", "calibration.yml", true},
     };
     for (const char* kind : {"exr", "png", "hdr", "pfm", "jpg", "tga", "bmp", "webp"})
         all.push_back({kind, std::string("a.") + kind, std::string("a.") + kind, false, true});
@@ -116,6 +121,17 @@ std::optional<Error> Nest::open() const
             const auto texels = static_cast<std::size_t>(picture.width) * static_cast<std::size_t>(picture.height);
             if (picture.pixels.size() != texels || image.bytes.size() + image.floats.size() != 4 * texels)
                 throw std::logic_error("a picture with more or fewer texels than its size");
+            return std::nullopt;
+        }
+        CameraDesc camera;
+        if (format_.name == "lens") {
+            camera.model = usual_model(camera_lens);
+            camera.model.lens = load_lens(file);
+        } else if (format_.name == "calibration") {
+            camera.model = load_calibration(file);
+        }
+        if (camera.model.kind != camera_pinhole) { // what can be read can be looked through, or says why not
+            if (camera_fault(camera).empty()) camera_ray(make_camera(camera, 64, 48), vec2(1.0f, 2.0f));
             return std::nullopt;
         }
         Scene scene = load_scene(file);

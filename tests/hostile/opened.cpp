@@ -69,6 +69,8 @@ std::size_t memory_bound(const Format& format, std::size_t file_size)
         {"pfm", {2 * mib, 16 + 12}},
         // Flat pictures of usual sizes (2^24 texels) are good files of a few dozen bytes.
         {"webp", {24 * 16 * mib, 4096 * (4 + 4 + 12)}},
+        {"lens", {2 * mib, 200}}, // pupils, threads
+        {"calibration", {2 * mib, 200}},
         {"exr", {64 * mib + 28 * 16 * mib, 4096 * (16 + 16 + 12)}},
     };
     const Bound& bound = bounds.at(format.name);
