@@ -153,6 +153,7 @@ static Outcome render_shot(const Shot& shot, const InterruptGuard& interrupt)
         const Picture right = other->film.picture();
         const Layers right_layers = picture_layers(of_other, stereo_eye(shot.camera, 1));
         pair = side_by_side(picture, right);
+        pair_layers.attributes = layers.attributes, pair_layers.numbers = layers.numbers;
         pair_layers.alpha = side_by_side(layers.alpha, right_layers.alpha, picture.width);
         view_layers = stereo_layers(layers, right, right_layers);
     }

@@ -27,6 +27,7 @@ static constexpr const char* examples =
     "  snell render cornell --integrator path -D max_depth=3 -D mis=0\n"
     "  snell render scene.obj --eye 0,1,5 --target 0,1,0 --fov 35\n"
     "  snell render helmet.glb --environment sky.exr --environment-rotation 90 -o helmet.png\n"
+    "  snell render grid --lens fisheye --focus-distance 2        through the glass of a lens\n"
     "  snell render fox.glb --animation Run --frames 0:24 -o fox.%04d.png\n"
     "\nCtrl-C writes what there is; a second one stops at once. `snell list` shows all names.\n";
 
