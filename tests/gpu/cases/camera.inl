@@ -27,7 +27,7 @@ TWIN(sample_aperture, 1e-6f, 1e-6f, 0.0f)
     vec2 u = unit2();
     give(sample_aperture(blades, turn, u));
 }
-TWIN_BUILTIN(camera_ray_through, 1e-3f, 1e-3f, 0.01f) // near the edge of the picture's circle one side may see nothing
+TWIN_BUILTIN(camera_ray_through, 1e-3f, 1e-3f, 0.001f) // near the edge of the picture's circle one side may see nothing
 {
     RenderParams params = draw_params();
     Camera camera = draw_camera_model(scene, params.camera);
@@ -41,7 +41,7 @@ TWIN_BUILTIN(camera_ray_through, 1e-3f, 1e-3f, 0.01f) // near the edge of the pi
     give(camera_has_lens(camera));
     give(camera_disperses(camera));
 }
-TWIN_BUILTIN(sample_camera, 1e-3f, 1e-3f, 0.01f)
+TWIN_BUILTIN(sample_camera, 1e-3f, 1e-3f, 0.001f)
 {
     RenderParams params = draw_params();
     Camera camera = draw_camera_model(scene, params.camera);
@@ -52,7 +52,7 @@ TWIN_BUILTIN(sample_camera, 1e-3f, 1e-3f, 0.01f)
     give(s.weight);
     if (s.weight > 0.0f) give(s.ray);
 }
-TWIN_BUILTIN(camera_project_eye, 1e-3f, 2e-2f, 0.01f)
+TWIN_BUILTIN(camera_project_eye, 1e-3f, 2e-2f, 0.001f)
 {
     RenderParams params = draw_params();
     Camera camera = draw_camera_model(scene, params.camera);
@@ -62,7 +62,7 @@ TWIN_BUILTIN(camera_project_eye, 1e-3f, 2e-2f, 0.01f)
     uint channel = index_below(3u);
     give(camera_project_eye(camera, p, eye, channel));
 }
-TWIN_BUILTIN(camera_lens, 1e-3f, 2e-2f, 0.01f) // the parts that the model "lens" is made of; a lens sees points before it
+TWIN_BUILTIN(camera_lens, 1e-3f, 2e-2f, 0.001f) // the parts that the model "lens" is made of; a lens sees points before it
 {
     RenderParams params = draw_params();
     Camera camera = params.camera;
@@ -85,7 +85,7 @@ TWIN_BUILTIN(camera_lens, 1e-3f, 2e-2f, 0.01f) // the parts that the model "lens
     float way = range(0.5f, 4.0f);
     give(camera_find_in_lens(camera, way * d));
 }
-TWIN_BUILTIN(camera_look, 1e-3f, 1e-3f, 0.01f)
+TWIN_BUILTIN(camera_look, 1e-3f, 1e-3f, 0.001f)
 {
     RenderParams params = draw_params();
     Camera camera = draw_camera_model(scene, params.camera);
