@@ -95,8 +95,8 @@ static void print_text(const std::vector<Section>& all)
         fmt::print("{}{}:\n", first ? "" : "\n", section.title);
         first = false;
         for (const Entry& entry : section.entries) {
-            fmt::print("  {:16} {}\n", entry.name, entry.summary);
-            for (const std::string& parameter : entry.parameters) fmt::print("  {:16}   -D {}\n", "", parameter);
+            fmt::print("  {:20} {}\n", entry.name, entry.summary);
+            for (const std::string& parameter : entry.parameters) fmt::print("  {:20}   -D {}\n", "", parameter);
         }
     }
 }
