@@ -1,6 +1,7 @@
 // snell render: from a scene to picture files, of one moment or of many.
 #include "commands.h"
 #include "console.h"
+#include "devices.h"
 #include "interrupt.h"
 #include "picture_layers.h"
 #include "render_job.h"
@@ -139,6 +140,10 @@ static void say_preparation(const Prepared& prepared)
     if (prepared.updated) return;
     console().detail(fmt::format("packed in {}, built the acceleration structure in {}",
                                  short_time(prepared.pack_seconds), short_time(prepared.build_seconds)));
+    if (prepared.device)
+        console().detail(fmt::format("{}: copied {} to {} in {}", prepared.settings.device,
+                                     short_bytes(static_cast<double>(prepared.device->uploaded_bytes)),
+                                     prepared.device->title(), short_time(prepared.device->upload_seconds)));
     const AccelStats& stats = prepared.accel->stats;
     if (stats.loaded > 0) console().detail(fmt::format("trees from the cache: {}", stats.loaded));
     if (stats.refused > 0)
@@ -207,6 +212,7 @@ int run_render(const Arguments& arguments)
     RenderJob job;
     if (const auto code = parse_render(arguments, job)) return *code;
     set_thread_count(job.settings.threads);
+    job.settings.device = settle_device(job.settings.device); // before a large scene is read
 
     const auto start = std::chrono::steady_clock::now();
     Scene scene = open_chosen(job.scene);

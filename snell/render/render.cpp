@@ -48,7 +48,10 @@ static void apply_overrides(PackedScene& packed, const RenderSettings& settings)
 
 void Prepared::build(const Scene& scene)
 {
-    const AccelInfo* info = settings.accel.empty() ? &accels().front() : find_accel(settings.accel);
+    const bool on_gpu = settings.device != "cpu";
+    const AccelInfo* info = !settings.accel.empty() ? find_accel(settings.accel)
+                            : on_gpu                ? find_accel("bvh8q")
+                                                    : &accels().front();
     if (info == nullptr)
         throw Error(fmt::format("there is no accelerator '{}'", settings.accel), suggestion(settings.accel, accels()));
     if (scene.cameras.empty()) throw Error("the scene has no camera", "call complete() before rendering it");
@@ -57,7 +60,8 @@ void Prepared::build(const Scene& scene)
 
     is_usable_ = false;
     Timer timer;
-    accel.reset(); // refers to what is replaced
+    device.reset(); // refers to what is replaced
+    accel.reset();
     packed = {};   // not two of them at a time
     if (settings.keep_motion && !motion) motion = std::make_unique<MotionMap>();
     packed = settings.keep_motion ? pack(scene, *motion) : pack(scene);
@@ -67,6 +71,7 @@ void Prepared::build(const Scene& scene)
     camera = scene.cameras.front();
     pack_seconds = timer.lap();
     accel = info->make(packed, options);
+    if (on_gpu) device = make_device_scene(settings.device, packed, *accel);
     build_seconds = timer.seconds();
     is_usable_ = true;
 }
@@ -100,6 +105,7 @@ void Prepared::update(const Scene& scene, uint bits)
     camera = scene.cameras.front();
     pack_seconds = timer.lap();
     accel->update(changes);
+    if (device) device->update();
     build_seconds = timer.seconds();
     is_usable_ = true;
 }
