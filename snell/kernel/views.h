@@ -46,7 +46,7 @@ SNELL_FN vec3 id_color(uint id)
 // Part of the light that a material sends back, for pictures and denoisers: in [0, 1].
 SNELL_FN vec3 material_albedo(SNELL_IN(MaterialPoint) m)
 {
-    if (m.kind == material_principled) return principled_albedo(m.principled);
+    if (is_material(m.kind, material_principled)) return principled_albedo(m.principled);
     if (m.kind == material_dielectric) return vec3(1.0f);
     if (m.kind == material_conductor) return fresnel_conductor(1.0f, m.specular, m.k);
     if (m.kind == material_mix) return clamp(m.base_color + m.specular, 0.0f, 1.0f);

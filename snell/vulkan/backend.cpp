@@ -204,7 +204,7 @@ bool VulkanBackend::run_waves(const Batch& batch, const char* shade_name, uint w
     Gpu& gpu = *scene_.gpu();
     const GpuKernel extend = gpu.kernel("extend", scene_.trace_constants(job_.integrator.view == view_steps));
     const GpuKernel connect = gpu.kernel("connect", scene_.trace_constants(false));
-    const GpuKernel shade = gpu.kernel(shade_name), arrange = gpu.kernel("arrange");
+    const GpuKernel shade = gpu.kernel(shade_name, scene_.shade_constants()), arrange = gpu.kernel("arrange");
     std::uint64_t done = 0;
     for (std::size_t alive = batch.paths(); alive > 0;) {
         const uint count = static_cast<uint>(std::min<std::uint64_t>(waves_at_once, waves - done));
@@ -248,7 +248,7 @@ bool VulkanBackend::run_waves(const Batch& batch, const char* shade_name, uint w
 std::size_t VulkanBackend::light_rounds(GpuPush push, std::size_t count, uint rounds)
 {
     Gpu& gpu = *scene_.gpu();
-    const GpuKernel light = gpu.kernel("light_whitted"), arrange = gpu.kernel("arrange");
+    const GpuKernel light = gpu.kernel("light_whitted", scene_.shade_constants()), arrange = gpu.kernel("arrange");
     const GpuKernel connect = gpu.kernel("connect", scene_.trace_constants(false));
     std::size_t rays = 0;
     for (uint done = 0; done < rounds;) {
@@ -277,7 +277,7 @@ bool VulkanBackend::run_whitted(const Batch& batch)
 {
     Gpu& gpu = *scene_.gpu();
     const GpuKernel extend = gpu.kernel("extend", scene_.trace_constants(false));
-    const GpuKernel shade = gpu.kernel("shade_whitted"), gather = gpu.kernel("gather_whitted");
+    const GpuKernel shade = gpu.kernel("shade_whitted", scene_.shade_constants()), gather = gpu.kernel("gather_whitted");
     const GpuKernel sum = gpu.kernel("sum"), spread = gpu.kernel("spread"), enqueue = gpu.kernel("enqueue_whitted");
     const SceneView view = job_.scene.view();
     const uint rounds = view.delta_light_count + (view.light_count > view.delta_light_count ? 1 : 0) +
@@ -345,7 +345,7 @@ void VulkanBackend::run_first_hits(const Batch& batch, Film& film)
     Gpu& gpu = *scene_.gpu();
     const GpuKernel counted = gpu.kernel("extend", scene_.trace_constants(true));
     const GpuKernel extend = gpu.kernel("extend", scene_.trace_constants(false));
-    const GpuKernel record = gpu.kernel("record_hits"), arrange = gpu.kernel("arrange");
+    const GpuKernel record = gpu.kernel("record_hits", scene_.shade_constants()), arrange = gpu.kernel("arrange");
     uint bounce = 0;
     for (std::size_t alive = batch.paths(); alive > 0;) {
         begin();

@@ -4,6 +4,7 @@
 #include "snell/bvh/wide_accel.h"
 #include "snell/core/error.h"
 #include "snell/core/timer.h"
+#include "snell/kernel/features.h"
 #include "snell/kernel/intersect.h"
 #include "snell/vulkan/queues.h"
 
@@ -154,6 +155,45 @@ static void visit_trees(const Accel& accel, const F& f)
     throw Error("GPUs trace the structures bvh8q and bvh2 only", "choose one of them by --accel, or leave it out");
 }
 
+static bool has_texture(const Principled& p)
+{
+    for (const uint slot :
+         {p.metallic_slot, p.roughness_slot, p.specular_slot, p.specular_color_slot, p.clearcoat_slot,
+          p.clearcoat_roughness_slot, p.clearcoat_normal_slot, p.sheen_color_slot, p.sheen_roughness_slot,
+          p.transmission_slot, p.anisotropy_slot, p.iridescence_slot, p.iridescence_thickness_slot,
+          p.diffuse_transmission_slot, p.diffuse_transmission_color_slot})
+        if (slot != none) return true;
+    return false;
+}
+
+// feature_* of a scene. What is missing in them is left out of the kernels.
+static std::uint32_t features_of(const PackedScene& scene)
+{
+    std::uint32_t features = 0;
+    const auto note = [&](std::uint32_t feature, bool there) { features |= there ? feature : 0u; };
+    for (const Material& m : scene.materials) {
+        features |= 1u << m.kind;
+        note(feature_tangents, (m.flags & material_needs_tangents) != 0u);
+        note(feature_textures, m.base_slot != none || m.emission_slot != none || m.normal_slot != none ||
+                                   m.opacity_slot != none);
+    }
+    for (const Principled& p : scene.principled) {
+        note(feature_textures, has_texture(p));
+        note(feature_clearcoat, p.clearcoat > 0.0f);
+        note(feature_sheen, max3(p.sheen_color) > 0.0f);
+        note(feature_glass, p.transmission > 0.0f);
+        note(feature_iridescence, p.iridescence > 0.0f);
+        note(feature_anisotropy, p.anisotropy != 0.0f);
+        note(feature_dispersion, p.dispersion > 0.0f);
+    }
+    note(feature_environment_cells, scene.environment.columns > 0u);
+    note(feature_environment_texture, scene.environment.texture != none);
+    note(feature_spheres, !scene.spheres.empty());
+    note(feature_planes, !scene.planes.empty());
+    note(feature_instances, !scene.instances.empty());
+    return features;
+}
+
 VulkanScene::VulkanScene(std::shared_ptr<Gpu> gpu, const PackedScene& scene, const Accel& accel)
     : gpu_(std::move(gpu)), scene_(scene), accel_(accel), arrays_(gpu_), groups_(gpu_)
 {
@@ -186,6 +226,7 @@ void VulkanScene::update()
         uploaded_bytes += groups_.follow({item_of(groups)});
 
         layout_ = layout;
+        features_ = features_of(scene_);
         triangle_test_ = input.triangle_test == TriangleTest::watertight ? test_watertight : test_moller_trumbore;
         const std::uint32_t levels = levels_of(bvh);
         if (levels > 4096)
@@ -198,8 +239,7 @@ void VulkanScene::update()
 
 std::vector<std::uint32_t> VulkanScene::trace_constants(bool counts_steps) const
 {
-    return {layout_,        triangle_test_, stack_size_, scene_.coverage, counts_steps ? 1u : 0u,
-            scene_.planes.empty() ? 0u : 1u};
+    return {features_, layout_, triangle_test_, stack_size_, scene_.coverage, counts_steps ? 1u : 0u};
 }
 
 void VulkanScene::describe(GpuJob& job) const

@@ -59,6 +59,8 @@ class VulkanScene final : public DeviceScene
     const std::shared_ptr<Gpu>& gpu() const { return gpu_; }
     // The constants of the kernels that trace rays: snell/vulkan/shaders/trace.glsl.
     std::vector<std::uint32_t> trace_constants(bool counts_steps) const;
+    // The constants of the kernels that shade.
+    std::vector<std::uint32_t> shade_constants() const { return {features_}; }
     // Fills in what of a job belongs to the scene.
     void describe(GpuJob& job) const;
 
@@ -73,7 +75,7 @@ class VulkanScene final : public DeviceScene
     DeviceArrays arrays_, groups_; // groups_: of GpuTree
     SceneView view_{};             // with addresses of the device
     GpuTree world_{}, first_{};
-    std::uint32_t layout_ = 0, triangle_test_ = 0, stack_size_ = 0;
+    std::uint32_t features_ = 0, layout_ = 0, triangle_test_ = 0, stack_size_ = 0;
     std::mutex queues_mutex_;
     std::vector<std::unique_ptr<Queues>> free_queues_;
 };

@@ -1,4 +1,5 @@
 // What the entry points share: their parameters, and access to the queues.
+#include "snell/vulkan/shaders/features.glsl"
 #include "snell/vulkan/shaders/job.h"
 
 #extension GL_KHR_shader_subgroup_ballot : require

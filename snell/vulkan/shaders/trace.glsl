@@ -2,14 +2,14 @@
 // children that are still to be visited (after Ylitie, Karras, Laine 2017, Efficient Incoherent Ray Traversal on GPUs
 // Through Compressed Wide BVHs). The trees are those of snell/bvh/, byte for byte.
 #include "snell/kernel/coverage.h"
+#include "snell/kernel/features.h"
 #include "snell/kernel/intersect.h"
 
-layout(constant_id = 0) const uint tree_layout = 1u;     // layout_*
-layout(constant_id = 1) const uint triangle_test = 0u;   // test_*
-layout(constant_id = 2) const uint stack_size = 32u;     // entries that no ray can exceed
-layout(constant_id = 3) const uint scene_coverage = 0u;  // SceneView::coverage
-layout(constant_id = 4) const uint counts_steps = 0u;    // 1: steps are counted
-layout(constant_id = 5) const uint scene_has_planes = 1u;
+layout(constant_id = 1) const uint tree_layout = 1u;     // layout_*
+layout(constant_id = 2) const uint triangle_test = 0u;   // test_*
+layout(constant_id = 3) const uint stack_size = 32u;     // entries that no ray can exceed
+layout(constant_id = 4) const uint scene_coverage = 0u;  // SceneView::coverage
+layout(constant_id = 5) const uint counts_steps = 0u;    // 1: steps are counted
 
 const uint query_closest = 0u;
 const uint query_any = 1u;
@@ -264,7 +264,7 @@ Hit trace(SceneView scene, Ray whole, uint query, Hit after, inout uint steps)
     Hit hit = miss(ray.t_max);
     if (query == query_next) ray.t_min = float_before(after.t);
     if (!is_traceable(ray)) return hit;
-    if (scene_has_planes != 0u && visit_planes(scene, ray, query, after, hit, steps) && query == query_any) return hit;
+    if (may_have(feature_planes) && visit_planes(scene, ray, query, after, hit, steps) && query == query_any) return hit;
     if (job.first.root == word_done) return hit;
 
     uvec2 stack[stack_size];
@@ -286,9 +286,9 @@ Hit trace(SceneView scene, Ray whole, uint query, Hit after, inout uint steps)
             }
         } else if (kind == kind_block) {
             if (visit_block(s, index, query, after, hit, steps) && query == query_any) return hit;
-        } else if (kind == kind_sphere_block) {
+        } else if (may_have(feature_spheres) && kind == kind_sphere_block) {
             if (visit_sphere_block(scene, s, index, query, after, hit, steps) && query == query_any) return hit;
-        } else {
+        } else if (may_have(feature_instances)) {
             Ray local = ray;
             GpuTree tree = job.world;
             uint instance = none;
