@@ -24,7 +24,8 @@ list(FILTER sources EXCLUDE REGEX "absent\\.cpp$")
 target_sources(libsnell PRIVATE ${sources})
 target_link_libraries(libsnell PUBLIC Vulkan::Vulkan)
 
-# Each .comp file becomes an array of words, and all of them one table: name, code.
+# Not optimised by glslc: its optimiser (2023.2) makes invalid SPIR-V of structs that hold addresses, and drivers optimise
+# anyway. Each .comp file becomes an array of words, and all of them one table: name, code.
 set(generated ${PROJECT_BINARY_DIR}/vulkan)
 file(MAKE_DIRECTORY ${generated})
 file(GLOB kernels CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/snell/vulkan/shaders/*.comp)
@@ -35,7 +36,7 @@ foreach(kernel ${kernels})
     get_filename_component(name ${kernel} NAME_WE)
     add_custom_command(
         OUTPUT ${generated}/${name}.inc
-        COMMAND Vulkan::glslc --target-env=vulkan1.2 -O -Werror -mfmt=c -I ${PROJECT_SOURCE_DIR}
+        COMMAND Vulkan::glslc --target-env=vulkan1.2 -Werror -mfmt=c -I ${PROJECT_SOURCE_DIR}
             -MD -MF ${generated}/${name}.d -MT ${generated}/${name}.inc -o ${generated}/${name}.inc ${kernel}
         DEPENDS ${kernel}
         DEPFILE ${generated}/${name}.d
