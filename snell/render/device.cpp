@@ -15,6 +15,12 @@ bool is_device_name(const std::string& name)
            (number == "0" || number[0] != '0');
 }
 
+std::span<const std::string_view> gpu_accels()
+{
+    static constexpr std::array<std::string_view, 2> names = {"bvh8q", "bvh2"};
+    return names;
+}
+
 // The best GPU that can be used; nullptr: none.
 static const GpuInfo* best_of(const std::vector<GpuInfo>& gpus)
 {

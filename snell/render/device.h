@@ -5,7 +5,9 @@
 
 #include <cstdint>
 #include <memory>
+#include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace snell {
@@ -45,6 +47,9 @@ struct DeviceChoice
 };
 DeviceChoice choose_device(const std::string& name);
 
+// The structures that GPUs trace; the first one is what they take if nobody asks for another.
+std::span<const std::string_view> gpu_accels();
+
 // What a device keeps of a scene between renders: its arrays and trees. Refers to the PackedScene and the Accel that it
 // was made of.
 class DeviceScene
@@ -66,7 +71,7 @@ class DeviceScene
     std::size_t uploaded_bytes = 0;   // the same
 };
 
-// device: a GPU, as choose_device() names it. The accel must be one that GPUs trace: "bvh8q" or "bvh2". Throws Error if
+// device: a GPU, as choose_device() names it. The accel must be one of gpu_accels(). Throws Error if
 // the device cannot be used, has not enough memory or fails its self-test.
 std::unique_ptr<DeviceScene> make_device_scene(const std::string& device, const PackedScene& scene, const Accel& accel);
 

@@ -50,7 +50,7 @@ void Prepared::build(const Scene& scene)
 {
     const bool on_gpu = settings.device != "cpu";
     const AccelInfo* info = !settings.accel.empty() ? find_accel(settings.accel)
-                            : on_gpu                ? find_accel("bvh8q")
+                            : on_gpu                ? find_accel(gpu_accels().front())
                                                     : &accels().front();
     if (info == nullptr)
         throw Error(fmt::format("there is no accelerator '{}'", settings.accel), suggestion(settings.accel, accels()));
