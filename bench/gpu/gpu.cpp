@@ -1,11 +1,12 @@
 // Measures what a GPU makes of rays and pictures, beside this machine's processor, in one run.
 //
-//     bench_gpu [--device NAME] [--rays N] [--size WxH] [--runs N] [--eye X,Y,Z --target X,Y,Z --fov DEGREES] [SCENE...]
+//     bench_gpu [--device NAME] [--rays N] [--size WxH] [--runs N] [--eye X,Y,Z --target X,Y,Z --fov DEGREES]
+//     [SCENE...]
 //
-// For each scene: Mrays/s of camera rays, shadow rays, ambient occlusion and three diffuse bounces (snell/lab/ray_sets.h)
-// by the device's clock, in trees of quantised 8-wide nodes and of plain binary ones, and by all threads of the
-// processor; then pictures with one sample a pixel and 8 bounces: time of a frame, samples and rays a second, and what
-// the stages take. Medians of the runs; device and processor take turns.
+// For each scene: Mrays/s of camera rays, shadow rays, ambient occlusion and three diffuse bounces
+// (snell/lab/ray_sets.h) by the device's clock, in trees of quantised 8-wide nodes and of plain binary ones, and by all
+// threads of the processor; then pictures with one sample a pixel and 8 bounces: time of a frame, samples and rays a
+// second, and what the stages take. Medians of the runs; device and processor take turns.
 #include "snell/core/error.h"
 #include "snell/core/timer.h"
 #include "snell/io/load.h"
@@ -146,14 +147,12 @@ void measure_rays(const Job& job, const Scene& scene)
     auto& plain = dynamic_cast<VulkanScene&>(*binary->device);
 
     RaySetOptions options;
-    options.rays = job.rays > 0                   ? job.rays
-                   : device.gpu()->is_processor() ? std::size_t{1} << 16
-                                                  : std::size_t{1} << 21;
+    options.rays = job.rays > 0 ? job.rays : device.gpu()->is_processor() ? std::size_t{1} << 16 : std::size_t{1} << 21;
     settings.width = settings.height = ray_set_side(options.rays);
     const IntegratorInfo& path = *find_integrator("path");
     const Camera camera = make_render_params(settings, path, on_cpu->camera, on_cpu->packed.radius).camera;
-    fmt::print("  {:<10} {:>9} {:>12} {:>12} {:>12} {:>10} {:>10}\n", "Mrays/s", "rays", "8-wide", "binary", "processor",
-               "8w/binary", "8w/proc.");
+    fmt::print("  {:<10} {:>9} {:>12} {:>12} {:>12} {:>10} {:>10}\n", "Mrays/s", "rays", "8-wide", "binary",
+               "processor", "8w/binary", "8w/proc.");
     for (const RaySet& set : make_ray_sets(on_cpu->packed, camera, *on_cpu->accel, options)) {
         if (set.rays.empty()) continue;
         RayBatch eight(device, set.rays), two(plain, set.rays);
@@ -205,14 +204,14 @@ void print_frame(const char* name, const std::vector<Frame>& frames)
     for (const Frame& frame : frames) seconds.push_back(frame.seconds);
     const double middle = median(seconds);
     const RenderStats& s = frames.back().stats;
-    const double all =
-        s.generate_seconds + s.extend_seconds + s.shade_seconds + s.connect_seconds + s.finalize_seconds;
+    const double all = s.generate_seconds + s.extend_seconds + s.shade_seconds + s.connect_seconds + s.finalize_seconds;
     const auto part = [&](double x) { return all > 0 ? 100 * x / all : 0; };
-    fmt::print("  {:<10} {:9.1f} ms a frame, {:8.3f} Msamples/s, {:8.2f} Mrays/s; generate {:.0f}%, extend {:.0f}%, shade "
-               "{:.0f}%, connect {:.0f}%, finalize {:.0f}%\n",
-               name, 1e3 * middle, 1e-6 * static_cast<double>(s.samples) / middle,
-               1e-6 * static_cast<double>(s.rays()) / middle, part(s.generate_seconds), part(s.extend_seconds),
-               part(s.shade_seconds), part(s.connect_seconds), part(s.finalize_seconds));
+    fmt::print(
+        "  {:<10} {:9.1f} ms a frame, {:8.3f} Msamples/s, {:8.2f} Mrays/s; generate {:.0f}%, extend {:.0f}%, shade "
+        "{:.0f}%, connect {:.0f}%, finalize {:.0f}%\n",
+        name, 1e3 * middle, 1e-6 * static_cast<double>(s.samples) / middle,
+        1e-6 * static_cast<double>(s.rays()) / middle, part(s.generate_seconds), part(s.extend_seconds),
+        part(s.shade_seconds), part(s.connect_seconds), part(s.finalize_seconds));
     std::fflush(stdout);
 }
 

@@ -1,8 +1,8 @@
 // What there is in the scene that kernels run on.
 //
-// A backend that compiles kernels for each scene defines SNELL_FEATURES beforehand as a constant of the compilation, and
-// the code for what the scene does not have falls away: its registers, and on devices that run all branches of a kernel
-// for some lane or other its time. Everywhere else all there is may be there, and the questions cost nothing.
+// A backend that compiles kernels for each scene defines SNELL_FEATURES beforehand as a constant of the compilation,
+// and the code for what the scene does not have falls away: its registers, and on devices that run all branches of a
+// kernel for some lane or other its time. Everywhere else all there is may be there, and the questions cost nothing.
 #ifndef SNELL_KERNEL_FEATURES_H
 #define SNELL_KERNEL_FEATURES_H
 #include "snell/kernel/lang.h"

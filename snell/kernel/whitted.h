@@ -114,7 +114,8 @@ SNELL_FN WhittedStep shade_whitted(SNELL_IN(SceneView) scene, SNELL_IN(RenderPar
         if (is_black(v.material.specular)) return step;
         v.material.base_color = vec3(0.0f);
     }
-    if (is_material(v.material.kind, material_principled)) v.material.principled = without_diffuse(v.material.principled);
+    if (is_material(v.material.kind, material_principled))
+        v.material.principled = without_diffuse(v.material.principled);
     BsdfSample s = sample_bsdf(v.material, v.wo, u, u_lobe);
     SNELL_NOTE(bsdf_0, s);
     SNELL_NOTE(event_0, scattering_event(v.material, v.wo, s, u_lobe));

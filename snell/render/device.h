@@ -1,6 +1,7 @@
 // Devices that can render: the processor, and GPUs.
 #pragma once
 
+#include "snell/core/error.h"
 #include "snell/scene/packed.h"
 
 #include <cstdint>
@@ -19,10 +20,10 @@ struct BackendJob;
 // A GPU, or what drives the processor like one.
 struct GpuInfo
 {
-    std::string device; // for --device: "gpu:0"
-    std::string title;  // what the driver calls it
-    std::string type;   // "discrete GPU", "integrated GPU", "virtual GPU", "CPU", "other"
-    std::string driver; // its name and version
+    std::string device;             // for --device: "gpu:0"
+    std::string title;              // what the driver calls it
+    std::string type;               // "discrete GPU", "integrated GPU", "virtual GPU", "CPU", "other"
+    std::string driver;             // its name and version
     std::uint64_t memory_bytes = 0; // that are nearest to the device
     std::string refusal;            // why it cannot be used; empty: it can
 };
@@ -50,6 +51,13 @@ DeviceChoice choose_device(const std::string& name);
 // The structures that GPUs trace; the first one is what they take if nobody asks for another.
 std::span<const std::string_view> gpu_accels();
 
+// A device has failed for good in the middle of its work: what it was given is lost, what it had given is not.
+class DeviceLost : public Error
+{
+  public:
+    using Error::Error;
+};
+
 // What a device keeps of a scene between renders: its arrays and trees. Refers to the PackedScene and the Accel that it
 // was made of.
 class DeviceScene
@@ -67,8 +75,8 @@ class DeviceScene
     virtual std::string title() const = 0; // of the device
     virtual std::size_t bytes() const = 0; // on the device
 
-    double upload_seconds = 0;        // of the last making or update()
-    std::size_t uploaded_bytes = 0;   // the same
+    double upload_seconds = 0;      // of the last making or update()
+    std::size_t uploaded_bytes = 0; // the same
 };
 
 // device: a GPU, as choose_device() names it. The accel must be one of gpu_accels(). Throws Error if

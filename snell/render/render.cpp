@@ -62,7 +62,7 @@ void Prepared::build(const Scene& scene)
     Timer timer;
     device.reset(); // refers to what is replaced
     accel.reset();
-    packed = {};   // not two of them at a time
+    packed = {}; // not two of them at a time
     if (settings.keep_motion && !motion) motion = std::make_unique<MotionMap>();
     packed = settings.keep_motion ? pack(scene, *motion) : pack(scene);
     apply_overrides(packed, settings);
@@ -142,15 +142,21 @@ RenderResult render(const Prepared& prepared, const RenderSettings& settings, co
 
     // Passes over the whole picture: when somebody stops the render, all of it has been worked on.
     bool good_enough = false;
+    RenderResult result;
     while (done < settings.spp && !stopped && !good_enough) {
         const uint count = std::min(settings.spp - done, std::clamp(done, 8u, 64u));
-        rendering.add_samples(rendering.region(), done, count, keep_going);
+        try {
+            rendering.add_samples(rendering.region(), done, count, keep_going);
+        } catch (const DeviceLost& lost) {
+            if (rendering.stats().samples == 0) throw;
+            result.lost = lost.what();
+            stopped = true;
+        }
         if (!stopped) done += count;
         good_enough =
             settings.target_error > 0 && rendering.film.estimated_relmse(rendering.region()) <= settings.target_error;
     }
 
-    RenderResult result;
     result.stats = rendering.stats();
     result.stats.pack_seconds = prepared.pack_seconds;
     result.stats.build_seconds = prepared.build_seconds;

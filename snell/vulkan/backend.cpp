@@ -34,8 +34,8 @@ static QueueKinds kinds_of(const BackendJob& job)
 
 static std::size_t capacity_for(const Gpu& gpu, const BackendJob& job)
 {
-    const double samples = static_cast<double>(job.settings.width) * job.settings.height *
-                           std::min(job.settings.spp, samples_at_once);
+    const double samples =
+        static_cast<double>(job.settings.width) * job.settings.height * std::min(job.settings.spp, samples_at_once);
     std::size_t most = gpu.is_processor() ? most_paths_on_processor : most_paths;
     const std::size_t room = gpu.info().info.memory_bytes / 4;
     while (most > fewest_paths && most * (Queues::bytes_of_path(kinds_of(job)) + sizeof(GpuSlot)) > room) most /= 2;
@@ -53,8 +53,9 @@ VulkanBackend::VulkanBackend(VulkanScene& scene, const BackendJob& job)
     : scene_(scene), job_(job), commands_(*scene.gpu(), 2 + 3 * waves_at_once)
 {
     if (job.integrator.radiance)
-        throw Error(fmt::format("the integrator '{}' is a function in C++, which a GPU cannot run", job.integrator.name),
-                    "use --device cpu");
+        throw Error(
+            fmt::format("the integrator '{}' is a function in C++, which a GPU cannot run", job.integrator.name),
+            "use --device cpu");
     const std::size_t capacity = capacity_for(*scene.gpu(), job);
     queues_ = scene.take_queues(capacity, kinds_of(job));
     batch_paths_ = std::min(capacity, scene.gpu()->is_processor() ? fewest_paths : most_paths / 4);
@@ -77,8 +78,7 @@ void VulkanBackend::render_samples(const Region& region, uint first_sample, uint
     for (uint done = 0; done < count;) {
         Batch batch{region, 0, 0, first_sample + done, std::min(count - done, samples_at_once)};
         while (batch.first_pixel < pixels) {
-            batch.pixels =
-                std::clamp<std::size_t>(batch_paths_ / batch.samples, 1, pixels - batch.first_pixel);
+            batch.pixels = std::clamp<std::size_t>(batch_paths_ / batch.samples, 1, pixels - batch.first_pixel);
             longest_run_ = batch_seconds_ = 0;
             const uint recorded = recorded_samples(job_.settings, batch.first_sample, batch.samples);
             if (!run_batch(batch)) { // it has branched into more paths than there is room for
@@ -277,7 +277,8 @@ bool VulkanBackend::run_whitted(const Batch& batch)
 {
     Gpu& gpu = *scene_.gpu();
     const GpuKernel extend = gpu.kernel("extend", scene_.trace_constants(false));
-    const GpuKernel shade = gpu.kernel("shade_whitted", scene_.shade_constants()), gather = gpu.kernel("gather_whitted");
+    const GpuKernel shade = gpu.kernel("shade_whitted", scene_.shade_constants()),
+                    gather = gpu.kernel("gather_whitted");
     const GpuKernel sum = gpu.kernel("sum"), spread = gpu.kernel("spread"), enqueue = gpu.kernel("enqueue_whitted");
     const SceneView view = job_.scene.view();
     const uint rounds = view.delta_light_count + (view.light_count > view.delta_light_count ? 1 : 0) +

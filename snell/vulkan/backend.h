@@ -1,6 +1,6 @@
-// The Vulkan backend: batches of paths through the stages, as kernels over queues in the device's memory (Laine, Karras,
-// Aila 2013, Megakernels Considered Harmful: Wavefront Path Tracing on GPUs). The host adds the samples up, by the same
-// code as the CPU backend.
+// The Vulkan backend: batches of paths through the stages, as kernels over queues in the device's memory (Laine,
+// Karras, Aila 2013, Megakernels Considered Harmful: Wavefront Path Tracing on GPUs). The host adds the samples up, by
+// the same code as the CPU backend.
 #pragma once
 
 #include "snell/render/backend.h"
@@ -54,10 +54,10 @@ class VulkanBackend final : public Backend
     std::unique_ptr<Queues> queues_;
     Gpu::Commands commands_;
     RenderStats stats_;
-    std::mutex film_mutex_;           // of Film::dropped
-    std::size_t batch_paths_;         // as many as take about as long as they should
-    double longest_run_ = 0;          // of the commands of this batch
-    double batch_seconds_ = 0;        // that it has taken
+    std::mutex film_mutex_;    // of Film::dropped
+    std::size_t batch_paths_;  // as many as take about as long as they should
+    double longest_run_ = 0;   // of the commands of this batch
+    double batch_seconds_ = 0; // that it has taken
 };
 
 } // namespace snell

@@ -13,7 +13,7 @@ namespace snell {
 // Large enough to keep the bus busy, small enough to be had anywhere.
 constexpr std::size_t staging_bytes = std::size_t{32} << 20;
 
-static std::mutex open_mutex;                                  // of what follows
+static std::mutex open_mutex;                               // of what follows
 static std::map<std::string, std::weak_ptr<Gpu>> open_gpus; // by device
 
 std::shared_ptr<Gpu> Gpu::open(const std::string& device)
@@ -103,8 +103,7 @@ GpuBuffer::GpuBuffer(const Gpu& gpu, std::size_t size, Placement placement, cons
     VkMemoryRequirements needs;
     vkGetBufferMemoryRequirements(device_, handle, &needs);
     constexpr VkMemoryPropertyFlags near = VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT;
-    constexpr VkMemoryPropertyFlags seen =
-        VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT | VK_MEMORY_PROPERTY_HOST_COHERENT_BIT;
+    constexpr VkMemoryPropertyFlags seen = VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT | VK_MEMORY_PROPERTY_HOST_COHERENT_BIT;
     const VkPhysicalDeviceMemoryProperties& memory = gpu.info().memory;
     const std::uint32_t type =
         placement == Placement::device ? find_memory_type(memory, needs.memoryTypeBits, {near, 0})
@@ -155,6 +154,11 @@ void Gpu::upload(const GpuBuffer& to, std::size_t offset, const void* data, std:
         std::memcpy(static_cast<std::byte*>(to.data) + offset, data, bytes);
         return;
     }
+    upload_by_copy(to, offset, data, bytes);
+}
+
+void Gpu::upload_by_copy(const GpuBuffer& to, std::size_t offset, const void* data, std::size_t bytes)
+{
     const std::lock_guard lock(upload_mutex_);
     if (!staging_)
         staging_ = std::make_unique<GpuBuffer>(*this, staging_bytes, GpuBuffer::Placement::upload, "copying to it");
@@ -267,8 +271,8 @@ void Gpu::Commands::barrier()
     barrier.dstAccessMask = VK_ACCESS_SHADER_READ_BIT | VK_ACCESS_SHADER_WRITE_BIT | VK_ACCESS_TRANSFER_READ_BIT |
                             VK_ACCESS_TRANSFER_WRITE_BIT | VK_ACCESS_INDIRECT_COMMAND_READ_BIT;
     constexpr VkPipelineStageFlags work = VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT | VK_PIPELINE_STAGE_TRANSFER_BIT;
-    vkCmdPipelineBarrier(handle, work | VK_PIPELINE_STAGE_DRAW_INDIRECT_BIT,
-                         work | VK_PIPELINE_STAGE_DRAW_INDIRECT_BIT, 0, 1, &barrier, 0, nullptr, 0, nullptr);
+    vkCmdPipelineBarrier(handle, work | VK_PIPELINE_STAGE_DRAW_INDIRECT_BIT, work | VK_PIPELINE_STAGE_DRAW_INDIRECT_BIT,
+                         0, 1, &barrier, 0, nullptr, 0, nullptr);
 }
 
 void Gpu::Commands::stamp(std::uint32_t number)

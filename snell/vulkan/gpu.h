@@ -65,6 +65,8 @@ class Gpu
 
     // Copies to a buffer, at once.
     void upload(const GpuBuffer& to, std::size_t offset, const void* data, std::size_t bytes);
+    // The same for memory that the host cannot see: through a buffer that both see.
+    void upload_by_copy(const GpuBuffer& to, std::size_t offset, const void* data, std::size_t bytes);
 
     // One set of commands that is recorded and run again and again, by one thread at a time.
     class Commands

@@ -170,8 +170,8 @@ void check_vulkan(VkResult result, const char* what)
 {
     if (result == VK_SUCCESS) return;
     if (result == VK_ERROR_DEVICE_LOST)
-        throw Error("the GPU has stopped answering (device lost)",
-                    "try again; if it happens again, update its driver, or use --device cpu");
+        throw DeviceLost("the GPU has stopped answering (device lost)",
+                         "try again; if it happens again, update its driver, or use --device cpu");
     if (result == VK_ERROR_OUT_OF_DEVICE_MEMORY || result == VK_ERROR_OUT_OF_HOST_MEMORY)
         throw Error(fmt::format("{} in {}", result_name(result), what),
                     "close what else uses the GPU, make the picture or the scene smaller, or use --device cpu");

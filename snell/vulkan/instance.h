@@ -23,8 +23,8 @@ struct VulkanMessages
     std::vector<std::string> texts;
 };
 
-// From now on, instances are created with the validation layers (core and synchronisation), and what they have to say is
-// kept there. For tests, before anything else uses Vulkan. Throws Error if the layers are not installed.
+// From now on, instances are created with the validation layers (core and synchronisation), and what they have to say
+// is kept there. For tests, before anything else uses Vulkan. Throws Error if the layers are not installed.
 void validate_vulkan(std::shared_ptr<VulkanMessages> messages);
 
 struct VulkanDevice

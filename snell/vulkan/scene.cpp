@@ -174,8 +174,8 @@ static std::uint32_t features_of(const PackedScene& scene)
     for (const Material& m : scene.materials) {
         features |= 1u << m.kind;
         note(feature_tangents, (m.flags & material_needs_tangents) != 0u);
-        note(feature_textures, m.base_slot != none || m.emission_slot != none || m.normal_slot != none ||
-                                   m.opacity_slot != none);
+        note(feature_textures,
+             m.base_slot != none || m.emission_slot != none || m.normal_slot != none || m.opacity_slot != none);
     }
     for (const Principled& p : scene.principled) {
         note(feature_textures, has_texture(p));

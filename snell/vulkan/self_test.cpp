@@ -14,8 +14,8 @@ struct KnownRay
     Hit hit;
 };
 
-// A square of two triangles at z = -1, a ball in front of it, a floor, and the same square once more as an instance that
-// has been moved to z = -5.
+// A square of two triangles at z = -1, a ball in front of it, a floor, and the same square once more as an instance
+// that has been moved to z = -5.
 PackedScene test_scene()
 {
     PackedScene scene;
@@ -80,9 +80,10 @@ void test_gpu(std::shared_ptr<Gpu> gpu)
             agree(expected.t, found.t) && agree(expected.u, found.u) && agree(expected.v, found.v) &&
             (blocked[i] != 0) == is_hit(expected))
             continue;
-        throw Error(fmt::format("{} fails the self-test: ray {} should meet primitive {:#x} at {} and meets {:#x} at {}",
-                                gpu->info().info.title, i, expected.primitive, expected.t, found.primitive, found.t),
-                    "update its driver, or use --device cpu");
+        throw Error(
+            fmt::format("{} fails the self-test: ray {} should meet primitive {:#x} at {} and meets {:#x} at {}",
+                        gpu->info().info.title, i, expected.primitive, expected.t, found.primitive, found.t),
+            "update its driver, or use --device cpu");
     }
 }
 

@@ -172,8 +172,12 @@ TEST(GpuPictures, AreTheSameInParts)
         whole.add_samples(whole.region(), 0, settings.spp, go_on);
         for (uint sample = 0; sample < settings.spp; sample += 4)
             for (const int x : {0, 5, 30})
-                parts.add_samples({x, 0, x == 0 ? 5 : x == 5 ? 30 : settings.width, settings.height}, sample,
-                                  std::min(4u, settings.spp - sample), go_on);
+                parts.add_samples({x, 0,
+                                   x == 0   ? 5
+                                   : x == 5 ? 30
+                                            : settings.width,
+                                   settings.height},
+                                  sample, std::min(4u, settings.spp - sample), go_on);
         expect_same_film(whole.film, parts.film);
         EXPECT_EQ(whole.stats().rays(), parts.stats().rays());
     }

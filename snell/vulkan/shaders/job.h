@@ -79,8 +79,8 @@ SNELL_BUFFER(FirstHitBuffer, GpuFirstHit)
 // How many there are of what the stages hand on, wave by wave, and the workgroups for them.
 struct GpuCounters
 {
-    uint paths[9];       // that enter the wave; [waves_at_once]: that are left for the next submission
-    uint connections[8]; // that the wave has made
+    uint paths[9];        // that enter the wave; [waves_at_once]: that are left for the next submission
+    uint connections[8];  // that the wave has made
     uint path_groups[27]; // three numbers for each wave: what vkCmdDispatchIndirect reads
     uint connection_groups[24];
 };
@@ -102,7 +102,7 @@ SNELL_BUFFER(BranchBuffer, GpuBranches)
 struct GpuJob
 {
     SceneView scene;
-    TreeBuffer groups; // by Instance::group
+    TreeBuffer groups;        // by Instance::group
     RayBuffer rays_0, rays_1; // two queues of paths: one is read while the other is filled
     StateBuffer states_0, states_1;
     HitBuffer hits; // of the paths of the wave
