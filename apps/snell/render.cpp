@@ -1,6 +1,7 @@
 // snell render: from a scene to picture files, of one moment or of many.
 #include "commands.h"
 #include "console.h"
+#include "devices.h"
 #include "interrupt.h"
 #include "picture_layers.h"
 #include "render_job.h"
@@ -75,7 +76,7 @@ struct Shot
 
 struct Outcome
 {
-    bool written = false, whole = false;
+    bool written = false, whole = false, lost = false; // lost: the device is
 };
 } // namespace
 
@@ -169,15 +170,17 @@ static Outcome render_shot(const Shot& shot, const InterruptGuard& interrupt)
         written += (written.empty() ? "" : ", ") + output.string();
     }
 
+    const bool lost = !result.lost.empty();
+    const char* why = interrupted ? "interrupted" : lost ? "device lost" : "out of time";
     const std::string spp = whole ? fmt::format("{:.7g}", report.spp_done)
-                                  : fmt::format("{}: {:.4g} of {}", interrupted ? "interrupted" : "out of time",
-                                                report.spp_done, settings.spp);
+                                  : fmt::format("{}: {:.4g} of {}", why, report.spp_done, settings.spp);
     console().info(fmt::format("{}wrote {} ({}{}x{}, {} samples a pixel)", shot.label, written, two ? "twice " : "",
                                settings.width, settings.height, spp));
     report_dropped(result.film);
     if (two) report_dropped(other->film);
     say_numbers(shot, report);
-    return {true, whole};
+    if (lost) console().warning(result.lost);
+    return {true, whole, lost};
 }
 
 static void say_preparation(const Prepared& prepared)
@@ -185,6 +188,10 @@ static void say_preparation(const Prepared& prepared)
     if (prepared.updated) return;
     console().detail(fmt::format("packed in {}, built the acceleration structure in {}",
                                  short_time(prepared.pack_seconds), short_time(prepared.build_seconds)));
+    if (prepared.device)
+        console().detail(fmt::format("{}: copied {} to {} in {}", prepared.settings.device,
+                                     short_bytes(static_cast<double>(prepared.device->uploaded_bytes)),
+                                     prepared.device->title(), short_time(prepared.device->upload_seconds)));
     const AccelStats& stats = prepared.accel->stats;
     if (stats.loaded > 0) console().detail(fmt::format("trees from the cache: {}", stats.loaded));
     if (stats.refused > 0)
@@ -200,7 +207,7 @@ static int render_still(const RenderJob& job, Scene scene, double load_seconds)
     // Until here Ctrl-C simply ends the program: there is nothing to save.
     const InterruptGuard interrupt;
     const Outcome outcome = render_shot({job, *prepared, camera, "", load_seconds}, interrupt);
-    return outcome.whole ? 0 : interrupt.exit_code();
+    return outcome.whole ? 0 : outcome.lost ? 1 : interrupt.exit_code();
 }
 
 static int render_sequence(const RenderJob& job, Scene& scene, Index<Animation> animation, double load_seconds)
@@ -218,6 +225,7 @@ static int render_sequence(const RenderJob& job, Scene& scene, Index<Animation> 
     const InterruptGuard interrupt;
     const auto start = std::chrono::steady_clock::now();
     uint done = 0;
+    bool lost = false;
     std::unique_ptr<Prepared> prepared; // by the first frame; the others follow what moves
     for (uint frame = frames.first; frame != frames.end && interrupt.exit_code() == 0; ++frame) {
         RenderJob one = job;
@@ -236,6 +244,7 @@ static int render_sequence(const RenderJob& job, Scene& scene, Index<Animation> 
         say_preparation(*prepared);
         const std::string label = fmt::format("frame {} of {}: ", frame - frames.first + 1, frames.count());
         const Outcome outcome = render_shot({one, *prepared, scene.cameras[0], label, load_seconds}, interrupt);
+        lost = outcome.lost;
         if (!outcome.whole) break;
         ++done;
     }
@@ -243,9 +252,10 @@ static int render_sequence(const RenderJob& job, Scene& scene, Index<Animation> 
     console().info(fmt::format("{}{} of {} frames in {}",
                                done == frames.count() ? ""
                                : code                 ? "interrupted: "
+                               : lost                 ? "device lost: "
                                                       : "out of time: ",
                                done, frames.count(), short_time(seconds_since(start))));
-    return done == frames.count() ? 0 : code;
+    return done == frames.count() ? 0 : lost ? 1 : code;
 }
 
 int run_render(const Arguments& arguments)
@@ -253,6 +263,7 @@ int run_render(const Arguments& arguments)
     RenderJob job;
     if (const auto code = parse_render(arguments, job)) return *code;
     set_thread_count(job.settings.threads);
+    job.settings.device = settle_device(job.settings.device); // before a large scene is read
 
     const auto start = std::chrono::steady_clock::now();
     Scene scene = open_chosen(job.scene);

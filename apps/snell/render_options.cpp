@@ -116,7 +116,11 @@ static void add_running_options(Options& options, RenderJob& job)
 {
     RenderSettings& settings = job.settings;
     options.group("Running");
-    options.value("--device", "NAME", "What renders: cpu, so far the only one [cpu]", check_device);
+    options.value("--device", "NAME", "What renders: cpu, gpu (the best one), gpu:N, or auto [cpu]",
+                  [&](const std::string& text) {
+                      check_device(text);
+                      settings.device = text;
+                  });
     options.action("--list-devices", "Print what there is, and render nothing", print_devices);
     options.value("-t,--threads,--nthreads", "N", "Threads; the picture does not depend on it [all]",
                   [&](const std::string& text) {

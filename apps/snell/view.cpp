@@ -1,6 +1,7 @@
 // snell view: a window that shows a scene.
 #include "commands.h"
 #include "console.h"
+#include "devices.h"
 
 #include "snell/core/error.h"
 
@@ -62,6 +63,12 @@ static void add_technique_options(Options& options, ViewJob& job)
     options.value(
         "--target-ms", "MS", "Frame time that the governor aims at while things move [16]",
         [&](const std::string& text) { job.options.target_ms = parse_number("--target-ms", text, 1, 10000); });
+    options.value("--device", "NAME", "What renders: cpu, gpu (the best one), gpu:N, or auto [cpu]",
+                  [&](const std::string& text) {
+                      check_device(text);
+                      settings.device = text;
+                  });
+    options.action("--list-devices", "Print what there is, and open no window", print_devices);
     options.value("-t,--threads,--nthreads", "N", "Number of threads [all]", [&](const std::string& text) {
         settings.threads = static_cast<int>(parse_integer("--threads", text, 1, 1024));
     });
@@ -168,6 +175,7 @@ int run_view(const Arguments& arguments)
             throw UsageError(error.what());
         }
     }
+    job.options.settings.device = settle_device(job.options.settings.device);
     set_thread_count(job.options.settings.threads);
     job.options.settings.threads = 0;
     job.options.scene = job.scene.name;

@@ -142,6 +142,8 @@ class WideAccel : public Accel, public Inspectable
     std::vector<TreeView> trees() const override { return list_trees(input); }
     RayWalk walk(const Ray& ray) const override { return walk_ray(input, ray); }
 
+    const TraceInput<Node>& trees_to_trace() const { return input; }
+
   private:
     const PackedScene& scene;
     const AccelOptions options;
@@ -214,6 +216,16 @@ std::unique_ptr<Accel> make_wide_accel(const PackedScene& scene, const AccelOpti
 {
     return std::make_unique<WideAccel<Node>>(scene, options);
 }
+
+template <class Node>
+const TraceInput<Node>* find_wide_trees(const Accel& accel)
+{
+    const auto* wide = dynamic_cast<const WideAccel<Node>*>(&accel);
+    return wide != nullptr ? &wide->trees_to_trace() : nullptr;
+}
+
+template const TraceInput<Node2>* find_wide_trees<Node2>(const Accel&);
+template const TraceInput<QuantisedNode>* find_wide_trees<QuantisedNode>(const Accel&);
 
 template std::unique_ptr<Accel> make_wide_accel<Node2>(const PackedScene&, const AccelOptions&);
 template std::unique_ptr<Accel> make_wide_accel<Node4>(const PackedScene&, const AccelOptions&);

@@ -5,6 +5,7 @@
 #include "snell/core/timer.h"
 #include "snell/cpu/stages.h"
 #include "snell/kernel/views.h"
+#include "snell/render/film_samples.h"
 
 #include <algorithm>
 #include <atomic>
@@ -16,11 +17,6 @@ namespace snell {
 
 // Paths in one batch, about: enough to keep many rays in flight until the last bounces, few enough for the L2 cache.
 constexpr uint batch_paths = 2048;
-
-// Samples whose first hits are recorded: enough for smooth edges, few enough to cost nothing.
-constexpr uint first_hit_samples = 16;
-
-constexpr std::size_t max_dropped_pixels = 16;
 
 namespace {
 class CpuBackend final : public Backend
@@ -90,75 +86,30 @@ static double thread_seconds()
     return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
 }
 
-// A batch goes through the stages as a whole, so its time is shared by the tile's pixels alike.
-static void note_time(Film& film, const Region& tile, double seconds)
-{
-    if (film.seconds.empty()) return;
-    const auto share = static_cast<float>(seconds / (static_cast<double>(tile.x1 - tile.x0) * (tile.y1 - tile.y0)));
-    for (int y = tile.y0; y < tile.y1; ++y)
-        for (int x = tile.x0; x < tile.x1; ++x)
-            film.seconds[static_cast<std::size_t>(y) * static_cast<std::size_t>(film.width) +
-                         static_cast<std::size_t>(x)] += share;
-}
-
 void CpuBackend::render_tile(const Region& tile, uint first_sample, uint count, Film& film)
 {
     const double start = thread_seconds();
     std::unique_ptr<Batch> batch = take_batch();
     const StageContext context{view_, job_.params, job_.accel};
-    if (job_.settings.layers) {
-        const uint recorded_end = job_.settings.first_sample + std::min(job_.settings.spp, first_hit_samples);
-        if (first_sample < recorded_end)
-            record_first_hits(context, *batch, tile, first_sample, std::min(count, recorded_end - first_sample), film);
-    }
+    if (const uint recorded = recorded_samples(job_.settings, first_sample, count); recorded > 0)
+        record_first_hits(context, *batch, tile, first_sample, recorded, film);
     generate_stage(context, *batch, tile, first_sample, count);
     run_integrator(context, job_.integrator, *batch);
     const Timer timer;
     finalize(*batch, tile, first_sample, count, film);
     batch->stats.finalize_seconds += timer.seconds();
-    note_time(film, tile, thread_seconds() - start);
+    // A batch goes through the stages as a whole, so its time is shared by the tile's pixels alike.
+    add_time(film, tile, thread_seconds() - start);
     give_batch(std::move(batch));
-}
-
-// Keeps the first pixels of the picture, in order: the same ones whatever the threads did.
-static void note_dropped(Film& film, std::uint64_t pixel)
-{
-    film.dropped_samples += 1;
-    const auto place = std::lower_bound(film.dropped.begin(), film.dropped.end(), pixel);
-    if (place != film.dropped.end() && *place == pixel) return;
-    film.dropped.insert(place, pixel);
-    if (film.dropped.size() > max_dropped_pixels) film.dropped.pop_back();
 }
 
 void CpuBackend::finalize(const Batch& batch, const Region& tile, uint first_sample, uint count, Film& film)
 {
+    const std::span slots(batch.slots);
     std::size_t slot = 0;
-    for (int y = tile.y0; y < tile.y1; ++y) {
-        for (int x = tile.x0; x < tile.x1; ++x) {
-            const std::size_t pixel =
-                static_cast<std::size_t>(y) * static_cast<std::size_t>(film.width) + static_cast<std::size_t>(x);
-            for (uint s = 0; s < count; ++s, ++slot) {
-                const vec3* layers = batch.slots[slot].layers;
-                const vec3 radiance = layers[layer_emission] + layers[layer_direct] + layers[layer_indirect];
-                if (!is_finite3(radiance)) {
-                    if (job_.settings.strict)
-                        throw Error(fmt::format("sample {} of pixel {},{} is not finite: {} {} {}", first_sample + s, x,
-                                                y, radiance.x, radiance.y, radiance.z),
-                                    "render that pixel alone with --pixel to look at it, or leave out --strict");
-                    const std::lock_guard lock(mutex_);
-                    note_dropped(film, pixel);
-                    continue;
-                }
-                film.add_sample(pixel, radiance);
-                if (!film.seen_through.empty()) film.seen_through[pixel] += batch.slots[slot].sees_through;
-                if (job_.settings.layers) {
-                    film.layers.emission[pixel] += layers[layer_emission];
-                    film.layers.direct[pixel] += layers[layer_direct];
-                    film.layers.indirect[pixel] += layers[layer_indirect];
-                }
-            }
-        }
-    }
+    for (int y = tile.y0; y < tile.y1; ++y)
+        for (int x = tile.x0; x < tile.x1; ++x, slot += count)
+            add_samples(film, job_.settings, x, y, first_sample, slots.subspan(slot, count), mutex_);
 }
 
 std::unique_ptr<Batch> CpuBackend::take_batch()

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "snell/kernel/path_state.h"
+#include "snell/render/film_samples.h"
 #include "snell/render/render.h"
 
 #include <vector>
@@ -42,13 +43,6 @@ struct ConnectionQueue
     std::size_t size() const { return rays.size(); }
     void clear() { rays.clear(), targets.clear(); }
     void push(const Connection& c) { rays.push_back(c.ray), targets.push_back({c.value, c.slot, c.layer, c.seed}); }
-};
-
-// One radiance for each sample of a batch, split by layer.
-struct SampleSlot
-{
-    vec3 layers[layer_count];
-    uint sees_through; // 1: the camera ray met nothing, and no environment to be seen
 };
 
 struct Batch

@@ -158,24 +158,18 @@ void run_custom(const StageContext& context, Batch& batch, const RadianceFunctio
     batch.stats.shade_seconds += timer.seconds();
 }
 
-// Puts the path at batch.paths[i] behind its hit if that is a perfect mirror or glass: denoisers want to know what is
-// seen in it.
+// Puts the path at batch.paths[i] behind its hit if that is a perfect mirror or glass.
 static bool follow_delta(const StageContext& context, Batch& batch, std::size_t i, const Hit& hit)
 {
-    const Vertex v = make_vertex(context.scene, batch.paths.rays[i], hit);
-    if (has_smooth_part(v.material)) return false;
-    const PathState& state = batch.paths.states[i];
-    const float u_lobe = random_1d(state_key(context.params, state), vertex_dimension(state.depth, dimension_lobe));
-    const BsdfSample s = sample_bsdf(v.material, v.wo, vec2(0.5f), u_lobe);
-    if (s.pdf == 0.0f) return false;
-    batch.next.push(scatter(context.scene, state, v, s));
-    return true;
+    const LookThrough seen =
+        look_through(context.scene, context.params, batch.paths.states[i], batch.paths.rays[i], hit);
+    if (seen.ok != 0u) batch.next.push(seen.path);
+    return seen.ok != 0u;
 }
 
 void record_first_hits(const StageContext& context, Batch& batch, const Region& tile, uint first_sample, uint count,
                        Film& film)
 {
-    constexpr uint delta_bounces = 8; // glass and mirrors that are looked through for albedo and normal
     FilmLayers& layers = film.layers;
     const int tile_width = tile.x1 - tile.x0;
     const auto film_index = [&](std::size_t slot) {
@@ -197,22 +191,13 @@ void record_first_hits(const StageContext& context, Batch& batch, const Region& 
         for (std::size_t i = 0; i < batch.paths.size(); ++i) {
             const std::size_t pixel = film_index(batch.paths.states[i].slot);
             const Hit& hit = batch.hits[i];
-            if (bounce == 0) {
-                layers.steps[pixel] += static_cast<float>(batch.steps[i]);
+            if (!is_hit(hit)) {
+                if (bounce == 0) add_first_hit(layers, pixel, nullptr, batch.steps[i]);
+                continue;
             }
-            if (!is_hit(hit)) continue;
             const FirstHit first = first_hit(context.scene, batch.paths.rays[i], hit);
-            if (bounce == 0) {
-                if (layers.hit_count[pixel]++ == 0) {
-                    layers.object[pixel] = first.object;
-                    layers.material[pixel] = first.material;
-                }
-                layers.geometric_normal[pixel] += first.geometric_normal;
-                layers.position[pixel] += first.position;
-                layers.uv[pixel] += first.uv;
-                layers.depth[pixel] += first.depth;
-            }
-            if (bounce < delta_bounces && follow_delta(context, batch, i, hit)) continue;
+            if (bounce == 0) add_first_hit(layers, pixel, &first, batch.steps[i]);
+            if (bounce < look_through_bounces && follow_delta(context, batch, i, hit)) continue;
             albedo[batch.paths.states[i].slot] = first.albedo;
             normal[batch.paths.states[i].slot] = first.normal;
         }
@@ -220,10 +205,8 @@ void record_first_hits(const StageContext& context, Batch& batch, const Region& 
         batch.hits.resize(batch.paths.size());
         intersect_paths(context, batch, false);
     }
-    for (std::size_t slot = 0; slot < albedo.size(); ++slot) {
-        layers.albedo[film_index(slot)] += albedo[slot];
-        layers.normal[film_index(slot)] += normal[slot];
-    }
+    for (std::size_t slot = 0; slot < albedo.size(); ++slot)
+        add_seen(layers, film_index(slot), albedo[slot], normal[slot]);
     batch.stats = stats_before;
 }
 

@@ -7,6 +7,7 @@
 #ifndef SNELL_KERNEL_BSDF_H
 #define SNELL_KERNEL_BSDF_H
 #include "snell/kernel/bsdf_sample.h"
+#include "snell/kernel/features.h"
 #include "snell/kernel/fresnel.h"
 #include "snell/kernel/microfacet.h"
 #include "snell/kernel/principled.h"
@@ -158,25 +159,25 @@ SNELL_FN float mix_specular_probability(SNELL_IN(MaterialPoint) m)
 // True if eval_bsdf can be other than 0: there is a part that light sampling can serve.
 SNELL_FN bool has_smooth_part(SNELL_IN(MaterialPoint) m)
 {
-    if (m.kind == material_principled) return principled_has_smooth_part(m.principled);
-    return m.kind == material_diffuse || m.kind == material_mix ||
-           ((m.kind == material_dielectric || m.kind == material_conductor) && m.alpha > 0.0f);
+    if (is_material(m.kind, material_principled)) return principled_has_smooth_part(m.principled);
+    return m.kind == material_diffuse || is_material(m.kind, material_mix) ||
+           ((is_material(m.kind, material_dielectric) || is_material(m.kind, material_conductor)) && m.alpha > 0.0f);
 }
 
 SNELL_FN vec3 eval_bsdf(SNELL_IN(MaterialPoint) m, vec3 wo, vec3 wi)
 {
     if (m.kind == material_diffuse) return eval_lambert(m.base_color, wo, wi);
-    if (m.kind == material_mix) {
+    if (is_material(m.kind, material_mix)) {
         vec3 f = eval_lambert(m.base_color, wo, wi);
         if (m.alpha > 0.0f) f += m.specular * eval_ggx_reflection(m.alpha, wo, wi);
         return f;
     }
-    if (m.kind == material_principled) { // a copy, so that the rest of m may stay in registers
+    if (is_material(m.kind, material_principled)) { // a copy, so that the rest of m may stay in registers
         PrincipledPoint p = m.principled;
         return eval_principled(p, wo, wi);
     }
-    if (m.alpha > 0.0f && m.kind == material_dielectric) return eval_rough_dielectric(m, wo, wi);
-    if (m.alpha > 0.0f && m.kind == material_conductor && wo.z * wi.z > 0.0f) {
+    if (m.alpha > 0.0f && is_material(m.kind, material_dielectric)) return eval_rough_dielectric(m, wo, wi);
+    if (m.alpha > 0.0f && is_material(m.kind, material_conductor) && wo.z * wi.z > 0.0f) {
         float cos_h = dot(wo, normalize(wo + wi));
         return fresnel_conductor(clamp(cos_h, 0.0f, 1.0f), m.specular, m.k) * eval_ggx_reflection(m.alpha, wo, wi);
     }
@@ -186,18 +187,18 @@ SNELL_FN vec3 eval_bsdf(SNELL_IN(MaterialPoint) m, vec3 wo, vec3 wi)
 SNELL_FN float pdf_bsdf(SNELL_IN(MaterialPoint) m, vec3 wo, vec3 wi)
 {
     if (m.kind == material_diffuse) return pdf_lambert(wo, wi);
-    if (m.kind == material_mix) {
+    if (is_material(m.kind, material_mix)) {
         float p = mix_specular_probability(m);
         float pdf = (1.0f - p) * pdf_lambert(wo, wi);
         if (m.alpha > 0.0f) pdf += p * pdf_ggx_reflection(m.alpha, wo, wi);
         return pdf;
     }
-    if (m.kind == material_principled) {
+    if (is_material(m.kind, material_principled)) {
         PrincipledPoint p = m.principled;
         return pdf_principled(p, wo, wi);
     }
-    if (m.alpha > 0.0f && m.kind == material_dielectric) return pdf_rough_dielectric(m, wo, wi);
-    if (m.alpha > 0.0f && m.kind == material_conductor) return pdf_ggx_reflection(m.alpha, wo, wi);
+    if (m.alpha > 0.0f && is_material(m.kind, material_dielectric)) return pdf_rough_dielectric(m, wo, wi);
+    if (m.alpha > 0.0f && is_material(m.kind, material_conductor)) return pdf_ggx_reflection(m.alpha, wo, wi);
     return 0.0f;
 }
 
@@ -207,23 +208,23 @@ SNELL_FN BsdfSample sample_bsdf(SNELL_IN(MaterialPoint) m, vec3 wo, vec2 u, floa
     BsdfSample s = no_bsdf_sample();
     if (wo.z == 0.0f || m.kind == material_unlit) return s;
     if (m.kind == material_diffuse) return sample_lambert(m.base_color, wo, u);
-    if (m.kind == material_principled) {
+    if (is_material(m.kind, material_principled)) {
         PrincipledPoint p = m.principled;
         return sample_principled(p, wo, u, u_lobe);
     }
-    if (m.kind == material_dielectric) {
+    if (is_material(m.kind, material_dielectric)) {
         if (m.alpha > 0.0f) return sample_rough_dielectric(m, wo, u, u_lobe);
         return sample_smooth_dielectric(m, wo, u_lobe);
     }
     vec3 mirrored = vec3(-wo.x, -wo.y, wo.z);
-    if (m.kind == material_mirror || (m.kind == material_conductor && m.alpha == 0.0f)) {
+    if (is_material(m.kind, material_mirror) || (is_material(m.kind, material_conductor) && m.alpha == 0.0f)) {
         s.wi = mirrored;
-        s.weight = m.kind == material_mirror ? m.base_color : fresnel_conductor(abs(wo.z), m.specular, m.k);
+        s.weight = is_material(m.kind, material_mirror) ? m.base_color : fresnel_conductor(abs(wo.z), m.specular, m.k);
         s.pdf = 1.0f;
         s.is_delta = 1u;
         return s;
     }
-    float p_specular = m.kind == material_mix ? mix_specular_probability(m) : 1.0f;
+    float p_specular = is_material(m.kind, material_mix) ? mix_specular_probability(m) : 1.0f;
     if (u_lobe < p_specular) {
         if (m.alpha == 0.0f) {
             s.wi = mirrored;

@@ -24,7 +24,8 @@ SNELL_FN bool may_have_hole(SNELL_IN(SceneView) scene, uint primitive, bool from
 // True if the ray passes through what it has hit. Camera rays pass through the back of single-sided surfaces, as in the
 // rasterisers that those were made for; to all other rays they are as solid as anything, or light would leak. A
 // half-transparent surface lets rays through by chance: by a number that is a function of the seed, the primitive and
-// the distance (a ray may leave a sphere that it has entered), so that every order of asking gets the same answer.
+// about the distance (a ray may leave a sphere that it has entered), so that every order of asking gets the same
+// answer. Not of the distance's last bits: then a device that rounds otherwise would see other holes.
 SNELL_FN_COLD bool passes_through(SNELL_IN(SceneView) scene, SNELL_IN(Ray) ray, SNELL_IN(Hit) hit, uint seed,
                                   bool from_camera)
 {
@@ -34,7 +35,7 @@ SNELL_FN_COLD bool passes_through(SNELL_IN(SceneView) scene, SNELL_IN(Ray) ray, 
     SurfacePoint surface = surface_point(scene, ray, hit);
     if (is_single_sided && dot(surface.geometric_normal, ray.direction) > 0.0f) return true;
     float coverage = surface_coverage(scene, material, surface);
-    uvec3 r = pcg3d(uvec3(seed ^ hash_uint(floatBitsToUint(hit.t)), hit.primitive, hit.instance));
+    uvec3 r = pcg3d(uvec3(seed ^ hash_uint(floatBitsToUint(hit.t) >> 12), hit.primitive, hit.instance));
     return unit_float(r.x) >= coverage;
 }
 

@@ -72,7 +72,7 @@ SNELL_FN float environment_solid_angle(SNELL_IN(Environment) environment, vec2 p
 // Radiance that arrives from a direction of unit length.
 SNELL_FN_COLD vec3 environment_radiance(SNELL_IN(SceneView) scene, vec3 direction)
 {
-    if (scene.environment.texture == none) return scene.environment.radiance;
+    if (!may_have(feature_environment_texture) || scene.environment.texture == none) return scene.environment.radiance;
     vec2 p = environment_point(scene.environment, direction);
     TextureSlot slot;
     slot.texture = scene.environment.texture;
@@ -88,7 +88,7 @@ SNELL_FN_COLD float pdf_environment(SNELL_IN(SceneView) scene, vec3 direction)
 {
     uint columns = scene.environment.columns;
     uint rows = scene.environment.rows;
-    if (columns == 0u) return pdf_uniform_sphere();
+    if (!may_have(feature_environment_cells) || columns == 0u) return pdf_uniform_sphere();
     vec2 p = environment_point(scene.environment, direction);
     float solid_angle = environment_solid_angle(scene.environment, p);
     if (!(solid_angle > 0.0f)) return 0.0f;
@@ -130,7 +130,7 @@ SNELL_FN_COLD LightSample sample_environment(SNELL_IN(SceneView) scene, vec2 u)
     s.is_infinite = 1u;
     uint columns = scene.environment.columns;
     uint rows = scene.environment.rows;
-    if (columns == 0u) {
+    if (!may_have(feature_environment_cells) || columns == 0u) {
         s.direction = sample_uniform_sphere(u);
         s.pdf = pdf_uniform_sphere();
         s.radiance = environment_radiance(scene, s.direction);

@@ -137,7 +137,7 @@ SNELL_FN PathStep shade_path(SNELL_IN(SceneView) scene, SNELL_IN(RenderParams) p
     }
     SNELL_NOTE(ending, ending_depth);
     if (state.depth >= params.max_depth) return step;
-    if (v.material.kind == material_principled) {
+    if (may_have(feature_dispersion) && is_material(v.material.kind, material_principled)) {
         float dispersion = scene.principled.at[scene.materials.at[v.surface.material].principled].dispersion;
         if (dispersion > 0.0f) { // on copies: see make_vertex
             PathState one_color = state;

@@ -177,14 +177,14 @@ SNELL_FN Vertex make_vertex(SNELL_IN(SceneView) scene, Ray ray, Hit hit)
     Material material = scene.materials.at[v.surface.material];
     v.material = material_point(scene, material, v.surface);
     vec3 back = -ray.direction;
-    if ((material.flags & material_needs_tangents) != 0u) {
+    if (may_have(feature_tangents) && (material.flags & material_needs_tangents) != 0u) {
         v.frame = bent_frame(scene, v.surface, hit, back);
         v.surface.shading_normal = v.frame.n;
     } else {
         v.frame = make_frame(v.surface.shading_normal);
     }
     v.wo = to_local(v.frame, back);
-    if (material.kind == material_principled) {
+    if (is_material(material.kind, material_principled)) {
         PrincipledPoint p = vertex_principled(scene, v.surface, hit, v.material.base_color, v.frame, back, v.wo);
         v.material.principled = p;
     }

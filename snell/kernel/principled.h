@@ -30,7 +30,7 @@ SNELL_FN_COLD FacetSplit split_facet(SNELL_IN(PrincipledPoint) p, float cos_h)
     s.reflected = p.reflected_f0 + p.reflected_edge * edge;
     s.through = vec3(0.0f);
     s.p_reflected = 1.0f;
-    if (max3(p.glass_weight) > 0.0f) {
+    if (may_have(feature_glass) && max3(p.glass_weight) > 0.0f) {
         bool total = false;
         if (p.eta != 1.0f) {
             DielectricSplit split = split_dielectric(cos_h, p.eta);
@@ -54,7 +54,7 @@ SNELL_FN_COLD PrincipledValue evaluate_facets(SNELL_IN(PrincipledPoint) p, vec3 
     v.f = vec3(0.0f);
     v.pdf = 0.0f;
     bool reflects = wi.z > 0.0f;
-    bool refracts = !reflects && p.eta != 1.0f;
+    bool refracts = may_have(feature_glass) && !reflects && p.eta != 1.0f;
     if (!reflects && max3(p.glass_weight) == 0.0f) return v;
     // thin glass sends light on as a mirror in the surface would have it come
     vec3 i = reflects || refracts ? wi : vec3(wi.x, wi.y, -wi.z);
@@ -105,11 +105,11 @@ SNELL_FN_COLD PrincipledValue evaluate_principled_above(SNELL_IN(PrincipledPoint
     if (wi.z > 0.0f) {
         v.f = p.diffuse * (inv_pi * wi.z);
         v.pdf = p.p_diffuse * inv_pi * wi.z;
-        if (p.p_sheen > 0.0f) {
+        if (may_have(feature_sheen) && p.p_sheen > 0.0f) {
             v.f += p.sheen * eval_sheen(p.sheen_alpha, wo, wi);
             v.pdf += p.p_sheen * (0.5f * inv_pi);
         }
-        if (p.p_coat > 0.0f && p.clearcoat_alpha > 0.0f) {
+        if (may_have(feature_clearcoat) && p.p_coat > 0.0f && p.clearcoat_alpha > 0.0f) {
             PrincipledValue coat = evaluate_coat(p, wo, wi);
             v.f += coat.f;
             v.pdf += p.p_coat * coat.pdf;
@@ -190,7 +190,7 @@ SNELL_FN_COLD BsdfSample sample_facets(SNELL_IN(PrincipledPoint) p, vec3 wo, vec
     bool reflects = u_lobe < split.p_reflected;
     float eta = reflects ? 1.0f : p.eta;
     vec3 wi = rough ? 2.0f * cos_o * h - wo : vec3(-wo.x, -wo.y, wo.z);
-    if (!reflects) {
+    if (may_have(feature_glass) && !reflects) {
         if (p.eta == 1.0f)
             wi.z = -wi.z;
         else
@@ -259,7 +259,7 @@ SNELL_FN_COLD BsdfSample sample_principled(SNELL_IN(PrincipledPoint) p, vec3 wo,
     bool mirrored = wo.z < 0.0f;
     vec3 w = mirror_in_surface(wo, mirrored);
     uint lobe = principled_lobe(p, u_lobe);
-    if (lobe == lobe_coat) {
+    if (may_have(feature_clearcoat) && lobe == lobe_coat) {
         s = sample_coat(p, w, u);
     } else if (lobe == lobe_sheen) {
         s.wi = sample_uniform_hemisphere(u);

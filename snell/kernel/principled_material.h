@@ -13,7 +13,7 @@ SNELL_FN_COLD void look_up_anisotropy(SNELL_IN(SceneView) scene, SNELL_IN(Princi
 {
     vec2 d = vec2(cos(principled.anisotropy_rotation), sin(principled.anisotropy_rotation));
     p.anisotropy = principled.anisotropy;
-    if (principled.anisotropy_slot != none) {
+    if (may_have(feature_textures) && principled.anisotropy_slot != none) {
         vec4 texel = sample_texture(scene, principled.anisotropy_slot, surface.uv, surface.uv_1);
         p.anisotropy = p.anisotropy * texel.z;
         vec2 t = vec2(2.0f * texel.x - 1.0f, 2.0f * texel.y - 1.0f);
@@ -54,15 +54,15 @@ SNELL_FN_COLD PrincipledPoint principled_point(SNELL_IN(SceneView) scene, SNELL_
     p.diffuse_transmission = m.diffuse_transmission * slot_value(scene, m.diffuse_transmission_slot, surface);
     p.diffuse_transmission_color =
         m.diffuse_transmission_color * slot_color(scene, m.diffuse_transmission_color_slot, surface);
-    if (m.anisotropy > 0.0f) {
+    if (may_have(feature_anisotropy) && m.anisotropy > 0.0f) {
         uint uv_set = m.anisotropy_slot != none ? scene.slots.at[m.anisotropy_slot].uv_set : 0u;
         Tangents t = surface_tangents(scene, surface, hit, uv_set);
         look_up_anisotropy(scene, m, surface, dot(cross(frame.n, t.u), t.v) < 0.0f, p);
     }
-    if (p.clearcoat > 0.0f) {
+    if (may_have(feature_clearcoat) && p.clearcoat > 0.0f) {
         // the coat lies on the surface as the mesh has it, not on the base's bumps
         vec3 n = surface.shading_normal;
-        if (m.clearcoat_normal_slot != none)
+        if (may_have(feature_textures) && m.clearcoat_normal_slot != none)
             n = mapped_normal(scene, surface, hit, m.clearcoat_normal_slot, m.clearcoat_normal_scale, back);
         vec3 local = to_local(frame, n);
         p.clearcoat_normal = dot(frame.n, back) < 0.0f ? vec3(-local.x, -local.y, local.z) : local;

@@ -11,6 +11,7 @@
 #ifndef SNELL_KERNEL_PRINCIPLED_POINT_H
 #define SNELL_KERNEL_PRINCIPLED_POINT_H
 #include "snell/kernel/albedo.h"
+#include "snell/kernel/features.h"
 #include "snell/kernel/fresnel.h"
 #include "snell/kernel/iridescence.h"
 #include "snell/kernel/sheen.h"

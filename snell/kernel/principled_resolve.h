@@ -9,7 +9,7 @@ SNELL_FN_COLD float resolve_coats(FloatArray albedo, SNELL_INOUT(PrincipledPoint
 {
     float below = 1.0f;
     float clearcoat = clamp(p.clearcoat, 0.0f, 1.0f);
-    if (clearcoat > 0.0f) {
+    if (may_have(feature_clearcoat) && clearcoat > 0.0f) {
         if (dot(p.clearcoat_normal, w) <= 0.0f) p.clearcoat_normal = vec3(0.0f, 0.0f, 1.0f);
         p.clearcoat_alpha = clamp(p.clearcoat_alpha, 0.0f, 1.0f);
         if (p.clearcoat_alpha < principled_smooth_alpha) p.clearcoat_alpha = 0.0f;
@@ -20,7 +20,7 @@ SNELL_FN_COLD float resolve_coats(FloatArray albedo, SNELL_INOUT(PrincipledPoint
         below -= p.p_coat;
     }
     vec3 color = clamp(p.sheen_color, 0.0f, 1.0f);
-    if (max3(color) > 0.0f) {
+    if (may_have(feature_sheen) && max3(color) > 0.0f) {
         p.sheen_alpha = clamp(p.sheen_alpha, sheen_alpha_min, 1.0f);
         float e = sheen_albedo(albedo, w.z, p.sheen_alpha);
         p.sheen = color * (e > 1.0f ? below / e : below);
@@ -66,7 +66,7 @@ SNELL_FN_COLD void resolve_glass(FloatArray albedo, SNELL_INOUT(PrincipledPoint)
         // from inside there is total reflection, which leaves no room for a weaker specular
         if (p.eta < 1.0f) f90 = 1.0f;
         f0 = dielectric_f0;
-        if (p.iridescence > 0.0f && split.reflectance < 1.0f) {
+        if (may_have(feature_iridescence) && p.iridescence > 0.0f && split.reflectance < 1.0f) {
             vec3 film = film_reflectance(p.eta < 1.0f ? split.cos_t : w.z, p.iridescence_ior, p.iridescence_thickness,
                                          dielectric_f0);
             f0 = mix(f0, f0_behind(film, f90, edge), min(p.iridescence, 1.0f));
@@ -75,7 +75,7 @@ SNELL_FN_COLD void resolve_glass(FloatArray albedo, SNELL_INOUT(PrincipledPoint)
         if (p.alphas.y > 0.0f && p.glass_table != none) {
             vec3 leaves = glass_albedo(albedo, p, w.z, p.alphas.y, f0, f90);
             // of anisotropic glass the albedo is only guessed, and rather too dark than too bright
-            if (p.alphas.x > p.alphas.y)
+            if (may_have(feature_anisotropy) && p.alphas.x > p.alphas.y)
                 leaves = 1.03f * max(leaves, glass_albedo(albedo, p, w.z, p.alphas.x, f0, f90));
             gain = glass_gain_margin / clamp(leaves, 0.1f, 1.0f);
         }
@@ -110,7 +110,7 @@ SNELL_FN_COLD PrincipledPoint resolve_principled(FloatArray albedo, SNELL_IN(Pri
     if (p.anisotropy <= 0.0f) p.anisotropy_direction = vec2(1.0f, 0.0f);
     p.alphas = principled_alphas(p.alpha, p.anisotropy);
     vec2 e;
-    if (p.alphas.x > p.alphas.y)
+    if (may_have(feature_anisotropy) && p.alphas.x > p.alphas.y)
         e = anisotropic_albedo(albedo, to_facet_frame(p, w), p.alphas, min(p.anisotropy, 1.0f));
     else
         e = ggx_albedo(albedo, w.z, p.alphas.x);
@@ -118,7 +118,7 @@ SNELL_FN_COLD PrincipledPoint resolve_principled(FloatArray albedo, SNELL_IN(Pri
 
     if (metallic > 0.0f) {
         vec3 f0 = p.base_color;
-        if (p.iridescence > 0.0f) {
+        if (may_have(feature_iridescence) && p.iridescence > 0.0f) {
             vec3 film = film_reflectance(min(w.z, 1.0f), p.iridescence_ior, p.iridescence_thickness, f0);
             f0 = mix(f0, f0_behind(film, 1.0f, edge), min(p.iridescence, 1.0f));
         }
@@ -133,12 +133,13 @@ SNELL_FN_COLD PrincipledPoint resolve_principled(FloatArray albedo, SNELL_IN(Pri
         float f90 = clamp(p.specular, 0.0f, 1.0f);
         vec3 plain_f0 = min(f0_of_ior(max(p.ior, 0.0f)) * max(p.specular_color, 0.0f), 1.0f) * f90;
         vec3 f0 = plain_f0;
-        if (p.iridescence > 0.0f && (!solid || transmission < 1.0f)) {
+        if (may_have(feature_iridescence) && p.iridescence > 0.0f && (!solid || transmission < 1.0f)) {
             vec3 film = film_reflectance(min(w.z, 1.0f), p.iridescence_ior, p.iridescence_thickness, f0);
             f0 = mix(f0, f0_behind(film, f90, edge), min(p.iridescence, 1.0f));
         }
         float weight = below * (1.0f - metallic);
-        if (transmission > 0.0f) resolve_glass(albedo, p, w, solid, weight * transmission, plain_f0, f0, e);
+        if (may_have(feature_glass) && transmission > 0.0f)
+            resolve_glass(albedo, p, w, solid, weight * transmission, plain_f0, f0, e);
         weight *= 1.0f - transmission;
         if (weight > 0.0f) {
             vec3 gain = weight * scattering_gain(f0, e.x);

@@ -139,16 +139,16 @@ SNELL_FN SurfacePoint surface_point(SNELL_IN(SceneView) scene, Ray ray, Hit hit)
 {
     uint kind = primitive_kind(hit.primitive);
     SurfacePoint s;
-    if (hit.instance == none) {
-        if (kind == kind_triangle)
-            s = triangle_point(scene, hit);
-        else if (kind == kind_sphere)
+    if (!may_have(feature_instances) || hit.instance == none) {
+        if (may_have(feature_spheres) && kind == kind_sphere)
             s = sphere_point(scene, ray, hit);
-        else
+        else if (may_have(feature_planes) && kind == kind_plane)
             s = plane_point(scene, ray, hit);
+        else
+            s = triangle_point(scene, hit);
     } else {
         Instance instance = scene.instances.at[hit.instance];
-        if (kind == kind_triangle) {
+        if (!may_have(feature_spheres) || kind == kind_triangle) {
             s = triangle_point(scene, hit);
         } else {
             Ray local = ray;
@@ -173,13 +173,13 @@ SNELL_FN SurfacePoint surface_point(SNELL_IN(SceneView) scene, Ray ray, Hit hit)
 // A texture slot's colour, or one channel; 1 without a texture.
 SNELL_FN vec3 slot_color(SNELL_IN(SceneView) scene, uint slot, SNELL_IN(SurfacePoint) surface)
 {
-    if (slot == none) return vec3(1.0f);
+    if (!may_have(feature_textures) || slot == none) return vec3(1.0f);
     vec4 texel = sample_texture(scene, slot, surface.uv, surface.uv_1);
     return vec3(texel.x, texel.y, texel.z);
 }
 SNELL_FN float slot_value(SNELL_IN(SceneView) scene, uint slot, SNELL_IN(SurfacePoint) surface)
 {
-    if (slot == none) return 1.0f;
+    if (!may_have(feature_textures) || slot == none) return 1.0f;
     vec4 texel = sample_texture(scene, slot, surface.uv, surface.uv_1);
     return texel[scene.slots.at[slot].channel];
 }
@@ -204,7 +204,7 @@ SNELL_FN MaterialPoint material_point(SNELL_IN(SceneView) scene, Material materi
     m.kind = material.kind;
     m.base_color = material.base_color * vec3(surface.color.x, surface.color.y, surface.color.z);
     m.specular = material.specular;
-    if (material.base_slot != none) {
+    if (may_have(feature_textures) && material.base_slot != none) {
         vec4 texel = sample_texture(scene, material.base_slot, surface.uv, surface.uv_1);
         vec3 color = vec3(texel.x, texel.y, texel.z);
         m.base_color = m.base_color * color;

@@ -46,7 +46,7 @@ SNELL_FN vec3 id_color(uint id)
 // Part of the light that a material sends back, for pictures and denoisers: in [0, 1].
 SNELL_FN vec3 material_albedo(SNELL_IN(MaterialPoint) m)
 {
-    if (m.kind == material_principled) return principled_albedo(m.principled);
+    if (is_material(m.kind, material_principled)) return principled_albedo(m.principled);
     if (m.kind == material_dielectric) return vec3(1.0f);
     if (m.kind == material_conductor) return fresnel_conductor(1.0f, m.specular, m.k);
     if (m.kind == material_mix) return clamp(m.base_color + m.specular, 0.0f, 1.0f);
@@ -121,6 +121,31 @@ SNELL_FN FirstHit first_hit(SNELL_IN(SceneView) scene, SNELL_IN(Ray) ray, SNELL_
     f.object = v.surface.object;
     f.material = v.surface.material;
     return f;
+}
+
+// Perfect mirrors and glass that are looked through for the albedo and the normal: denoisers want to know what is seen
+// in them.
+SNELL_CONST uint look_through_bounces = 8u;
+
+struct LookThrough
+{
+    CameraPath path; // behind the hit
+    uint ok;         // 0: the surface is seen itself, or nothing is seen in it, and path means nothing
+};
+
+SNELL_FN LookThrough look_through(SNELL_IN(SceneView) scene, SNELL_IN(RenderParams) params, SNELL_IN(PathState) state,
+                                  SNELL_IN(Ray) ray, SNELL_IN(Hit) hit)
+{
+    LookThrough seen;
+    seen.ok = 0u;
+    Vertex v = make_vertex(scene, ray, hit);
+    if (has_smooth_part(v.material)) return seen;
+    float u_lobe = random_1d(state_key(params, state), vertex_dimension(state.depth, dimension_lobe));
+    BsdfSample s = sample_bsdf(v.material, v.wo, vec2(0.5f), u_lobe);
+    if (s.pdf == 0.0f) return seen;
+    seen.path = scatter(scene, state, v, s);
+    seen.ok = 1u;
+    return seen;
 }
 
 SNELL_END

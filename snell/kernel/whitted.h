@@ -88,7 +88,7 @@ SNELL_FN WhittedStep shade_whitted(SNELL_IN(SceneView) scene, SNELL_IN(RenderPar
     if (arriving.depth >= params.max_depth || v.material.kind == material_diffuse || v.wo.z == 0.0f) return step;
 
     SampleKey key = state_key(params, step.state);
-    if (v.material.kind == material_dielectric && v.material.alpha == 0.0f) {
+    if (is_material(v.material.kind, material_dielectric) && v.material.alpha == 0.0f) {
         // sample_smooth_dielectric reflects for u = 0 and refracts for the largest u; take both, with their weights
         BsdfSample s0 = sample_smooth_dielectric(v.material, v.wo, 0.0f);
         s0.weight = s0.weight * s0.pdf;
@@ -110,11 +110,12 @@ SNELL_FN WhittedStep shade_whitted(SNELL_IN(SceneView) scene, SNELL_IN(RenderPar
     vec2 u = random_2d(key, vertex_dimension(arriving.depth, dimension_bsdf));
     float u_lobe = random_1d(key, vertex_dimension(arriving.depth, dimension_lobe));
     // of a mix only the specular part is followed: its diffuse part has had its direct light
-    if (v.material.kind == material_mix) {
+    if (is_material(v.material.kind, material_mix)) {
         if (is_black(v.material.specular)) return step;
         v.material.base_color = vec3(0.0f);
     }
-    if (v.material.kind == material_principled) v.material.principled = without_diffuse(v.material.principled);
+    if (is_material(v.material.kind, material_principled))
+        v.material.principled = without_diffuse(v.material.principled);
     BsdfSample s = sample_bsdf(v.material, v.wo, u, u_lobe);
     SNELL_NOTE(bsdf_0, s);
     SNELL_NOTE(event_0, scattering_event(v.material, v.wo, s, u_lobe));

@@ -35,7 +35,7 @@ class Backend
     virtual RenderStats stats() const = 0;
 };
 
-// Implemented in snell/cpu/.
+// Implemented in snell/cpu/. Those of GPUs: DeviceScene in device.h.
 std::unique_ptr<Backend> make_cpu_backend(const BackendJob& job);
 
 } // namespace snell

@@ -48,7 +48,10 @@ static void apply_overrides(PackedScene& packed, const RenderSettings& settings)
 
 void Prepared::build(const Scene& scene)
 {
-    const AccelInfo* info = settings.accel.empty() ? &accels().front() : find_accel(settings.accel);
+    const bool on_gpu = settings.device != "cpu";
+    const AccelInfo* info = !settings.accel.empty() ? find_accel(settings.accel)
+                            : on_gpu                ? find_accel(gpu_accels().front())
+                                                    : &accels().front();
     if (info == nullptr)
         throw Error(fmt::format("there is no accelerator '{}'", settings.accel), suggestion(settings.accel, accels()));
     if (scene.cameras.empty()) throw Error("the scene has no camera", "call complete() before rendering it");
@@ -57,8 +60,9 @@ void Prepared::build(const Scene& scene)
 
     is_usable_ = false;
     Timer timer;
-    accel.reset(); // refers to what is replaced
-    packed = {};   // not two of them at a time
+    device.reset(); // refers to what is replaced
+    accel.reset();
+    packed = {}; // not two of them at a time
     if (settings.keep_motion && !motion) motion = std::make_unique<MotionMap>();
     packed = settings.keep_motion ? pack(scene, *motion) : pack(scene);
     apply_overrides(packed, settings);
@@ -67,6 +71,7 @@ void Prepared::build(const Scene& scene)
     camera = scene.cameras.front();
     pack_seconds = timer.lap();
     accel = info->make(packed, options);
+    if (on_gpu) device = make_device_scene(settings.device, packed, *accel);
     build_seconds = timer.seconds();
     is_usable_ = true;
 }
@@ -100,6 +105,7 @@ void Prepared::update(const Scene& scene, uint bits)
     camera = scene.cameras.front();
     pack_seconds = timer.lap();
     accel->update(changes);
+    if (device) device->update();
     build_seconds = timer.seconds();
     is_usable_ = true;
 }
@@ -136,15 +142,21 @@ RenderResult render(const Prepared& prepared, const RenderSettings& settings, co
 
     // Passes over the whole picture: when somebody stops the render, all of it has been worked on.
     bool good_enough = false;
+    RenderResult result;
     while (done < settings.spp && !stopped && !good_enough) {
         const uint count = std::min(settings.spp - done, std::clamp(done, 8u, 64u));
-        rendering.add_samples(rendering.region(), done, count, keep_going);
+        try {
+            rendering.add_samples(rendering.region(), done, count, keep_going);
+        } catch (const DeviceLost& lost) {
+            if (rendering.stats().samples == 0) throw;
+            result.lost = lost.what();
+            stopped = true;
+        }
         if (!stopped) done += count;
         good_enough =
             settings.target_error > 0 && rendering.film.estimated_relmse(rendering.region()) <= settings.target_error;
     }
 
-    RenderResult result;
     result.stats = rendering.stats();
     result.stats.pack_seconds = prepared.pack_seconds;
     result.stats.build_seconds = prepared.build_seconds;

@@ -1,6 +1,7 @@
 // Rendering a scene.
 #pragma once
 
+#include "snell/render/device.h"
 #include "snell/render/film.h"
 #include "snell/render/settings.h"
 #include "snell/scene/repose.h"
@@ -41,6 +42,7 @@ struct RenderResult
 {
     Film film;
     RenderStats stats;
+    std::string lost; // why the device gave up before the end (stats.cancelled is true then); empty: it did not
 };
 
 // Everything that is derived from a scene and can be used for several renders: packed arrays and acceleration
@@ -49,6 +51,7 @@ struct Prepared
 {
     PackedScene packed;
     std::unique_ptr<Accel> accel;
+    std::unique_ptr<DeviceScene> device; // what a GPU has of them; null: the CPU renders
     CameraDesc camera;
     double pack_seconds = 0, build_seconds = 0; // of the last prepare() or update()
     bool updated = false;                       // the last was an update() that did not have to pack and build anew
@@ -73,8 +76,10 @@ struct Prepared
 // The scene must be valid and complete. Throws Error for unknown names.
 std::unique_ptr<Prepared> prepare(const Scene& scene, const RenderSettings& settings);
 
-// Renders with the CPU backend. If `cancel` becomes true, returns soon with what there is (sample counts may then
-// differ between pixels). The film is a function of scene and settings only: threads and tiles do not change a bit.
+// Renders on the device that the scene was prepared for. If `cancel` becomes true, returns soon with what there is
+// (sample counts may then differ between pixels); if the device is lost, with what it had given, and throws DeviceLost
+// only if that is nothing. The film is a function of scene, settings and device only: threads and tiles do not change a
+// bit.
 RenderResult render(const Prepared& prepared, const RenderSettings& settings, const ProgressCallback& progress = {},
                     const std::atomic<bool>* cancel = nullptr);
 

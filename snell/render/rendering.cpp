@@ -36,7 +36,8 @@ Rendering::Rendering(const Prepared& prepared, const RenderSettings& settings, c
     film = Film(settings.width, settings.height, settings.layers);
     if (prepared.packed.environment.is_visible == 0u || camera.model.kind != camera_pinhole)
         film.seen_through.assign(film.sample_count.size(), 0u);
-    backend_ = make_cpu_backend({prepared.packed, *prepared.accel, params_, settings_, integrator});
+    const BackendJob job = {prepared.packed, *prepared.accel, params_, settings_, integrator};
+    backend_ = prepared.device ? prepared.device->make_backend(job) : make_cpu_backend(job);
 }
 
 void Rendering::add_samples(const Region& part, uint first, uint count, const std::function<bool()>& keep_going)

@@ -19,8 +19,9 @@ static std::map<std::string, std::string> accel_part(const std::map<std::string,
 
 bool same_preparation(const RenderSettings& a, const RenderSettings& b)
 {
-    return a.accel == b.accel && a.accel_options == b.accel_options && a.force_diffuse == b.force_diffuse &&
-           a.image_textures == b.image_textures && accel_part(a.parameters) == accel_part(b.parameters);
+    return a.device == b.device && a.accel == b.accel && a.accel_options == b.accel_options &&
+           a.force_diffuse == b.force_diffuse && a.image_textures == b.image_textures &&
+           accel_part(a.parameters) == accel_part(b.parameters);
 }
 
 const Prepared* PreparedSet::find(const RenderSettings& settings) const

@@ -28,8 +28,9 @@ struct RenderSettings
     std::string sampler = "sobol"; // "sobol" (Owen-scrambled) or "independent"
     std::string integrator = "path";
     std::map<std::string, std::string> parameters; // -D key=value: max_depth, nee, mis, rr, ...; builder, ...; unknown keys: Error
-    std::string accel;                             // empty: the default one
+    std::string accel;                             // empty: the default one of the device
     AccelOptions accel_options;                    // where parameters do not say otherwise
+    std::string device = "cpu"; // or a GPU's: as choose_device() names it
     int threads = 0;            // 0: all
     int tile_size = 0;          // pixels a side; 0: chosen. The picture does not depend on it
     double timeout_seconds = 0; // stop after that long; 0: never

@@ -200,6 +200,7 @@ static std::string render_command(const ViewState& state, const RenderSettings& 
     std::string command = fmt::format("snell render {} --size {}x{} --spp {} --seed {} --integrator {} --sampler {} {}",
                                       state.file, settings.width, settings.height, spp, settings.seed,
                                       settings.integrator, settings.sampler, camera_options(state.camera));
+    if (settings.device != "cpu") command += " --device " + settings.device;
     if (!settings.accel.empty()) command += " --accel " + settings.accel;
     for (const auto& [key, value] : settings.parameters) command += fmt::format(" -D {}={}", key, value);
     return command;

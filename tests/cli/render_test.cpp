@@ -244,24 +244,6 @@ TEST(List, NamesEverythingThatRenderTakes)
         EXPECT_NE(text.out.find(word), std::string::npos) << word;
 }
 
-TEST(Render, OnTheDeviceThatThereIs)
-{
-    Program program;
-    for (const std::vector<std::string>& arguments :
-         {std::vector<std::string>{"--list-devices"}, {"render", "--list-devices"}, with(small, {"--list-devices"})}) {
-        const Outcome outcome = program.run(arguments);
-        EXPECT_EQ(outcome.code, 0) << outcome.err;
-        EXPECT_TRUE(outcome.out.starts_with("cpu ")) << outcome.out;
-        EXPECT_EQ(line_count(outcome.out), 1u);
-        for (const char* word : {"thread", "instruction sets"})
-            EXPECT_NE(outcome.out.find(word), std::string::npos) << word;
-        EXPECT_EQ(outcome.err, "");
-        EXPECT_TRUE(program.files().empty());
-    }
-    EXPECT_EQ(program.run(with(small, {"--device", "cpu"})).code, 0);
-    EXPECT_EQ(program.files(), std::vector<std::string>{"cornell.png"});
-}
-
 TEST(BuiltIn, ScenesOfAnySize)
 {
     Program program;

@@ -1,6 +1,6 @@
 // Runs every case of tests/gpu/cases in C++ and on the GPU on the same inputs and compares the results word by word.
 #include "snell/core/error.h"
-#include "tests/gpu/spirv_exact.h"
+#include "snell/vulkan/spirv.h"
 #include "tests/gpu/twin.h"
 #include "tests/gpu/twin_scene.h"
 #include "tests/gpu/vulkan_harness.h"

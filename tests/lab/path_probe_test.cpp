@@ -11,48 +11,6 @@
 namespace snell::test {
 namespace {
 
-// A glass with dispersion and a coated metal before a half-transparent sheet, in a sky; a picture as normal map.
-Scene principled_scene()
-{
-    Scene scene = mixed_scene();
-    MaterialDesc glass;
-    glass.kind = material_principled;
-    glass.base_color = vec3(0.95f);
-    glass.ior = 1.5f;
-    glass.principled.transmission = 1.0f;
-    glass.principled.roughness = 0.0f;
-    glass.principled.metallic = 0.0f;
-    glass.principled.thin_walled = false;
-    glass.principled.dispersion = 1.0f;
-    MaterialDesc coated;
-    coated.kind = material_principled;
-    coated.base_color = vec3(0.8f, 0.3f, 0.1f);
-    coated.principled.metallic = 0.5f;
-    coated.principled.roughness = 0.4f;
-    coated.principled.clearcoat = 1.0f;
-    coated.principled.sheen_color = vec3(0.3f);
-    float x = -1.5f;
-    for (const MaterialDesc& m : {glass, coated, glass}) {
-        SphereDesc ball;
-        ball.center = vec3(x, 0.5f, 1.5f);
-        ball.radius = 0.6f;
-        ball.material = add(scene, m);
-        place(scene, ball);
-        x += 1.5f;
-    }
-    MaterialDesc sheet;
-    sheet.base_color = vec3(0.2f, 0.5f, 0.2f);
-    sheet.coverage = coverage_blend;
-    sheet.opacity = 0.4f;
-    Mesh mesh;
-    mesh.positions = {{-3, -1, 2.5f}, {3, -1, 2.5f}, {3, 0.3f, 2.5f}, {-3, 0.3f, 2.5f}};
-    mesh.triangles = {{0, 1, 2}, {0, 2, 3}};
-    mesh.material = add(scene, sheet);
-    place(scene, mesh);
-    validate(scene);
-    return scene;
-}
-
 // Scenes by name: all that are built in, small, and the two of these tests.
 std::vector<std::pair<std::string, Scene>> scenes()
 {

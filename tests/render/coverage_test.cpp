@@ -188,7 +188,7 @@ TEST(Coverage, RaysOfCustomIntegratorsPassToo)
     add_sheet(scene, 1.0f, half_there(scene, 0.5f));
     look(scene, vec3(0, 2, 1), vec3(0.0f));
     validate(scene);
-    const auto prepared = prepare(scene, {});
+    const auto prepared = prepare(scene, RenderSettings());
     const SceneView view = prepared->packed.view();
     const RayScene rays(view, *prepared->accel);
     int hits = 0, blocked = 0;

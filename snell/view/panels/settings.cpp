@@ -1,12 +1,14 @@
-// How the active pane is rendered: integrator, sampler, structures, samples, and the frame governor.
+// How the active pane is rendered: device, integrator, sampler, structures, samples, and the frame governor.
 #include "snell/bvh/options.h"
 #include "snell/core/error.h"
+#include "snell/render/device.h"
 #include "snell/render/integrator.h"
 #include "snell/view/panel.h"
 #include "snell/view/widgets.h"
 
 #include <imgui.h>
 
+#include <algorithm>
 #include <charconv>
 #include <map>
 
@@ -68,7 +70,7 @@ class Settings : public Panel
     const char* name() const override { return "Rendering"; }
     const char* help() const override
     {
-        return "Integrator, sampler, acceleration structure, samples a pixel, governor.";
+        return "Device, integrator, sampler, acceleration structure, samples a pixel, governor.";
     }
     bool opens_at_start() const override { return true; }
 
@@ -79,6 +81,7 @@ class Settings : public Panel
         if (state.panes.size() > 1)
             fact("Pane", fmt::format("{} of {}", state.active_pane + 1, state.panes.size()),
                  "The pane that was clicked last; its settings are these");
+        draw_device(settings);
         draw_integrator(settings);
         draw_sampling(settings);
         draw_structure(settings);
@@ -89,6 +92,34 @@ class Settings : public Panel
     std::optional<std::string> get(ViewState& state, const std::string& name) override;
 
   private:
+    // Looks for GPUs once; that takes a moment.
+    static const GpuList& gpus()
+    {
+        static const GpuList list = list_gpus();
+        return list;
+    }
+
+    static void use_device(RenderSettings& settings, const std::string& device)
+    {
+        settings.device = device;
+        const auto traced = gpu_accels();
+        if (device != "cpu" && std::find(traced.begin(), traced.end(), settings.accel) == traced.end())
+            settings.accel.clear();
+    }
+
+    static void draw_device(RenderSettings& settings)
+    {
+        std::vector<std::string> names = {"cpu"}, summaries = {"the processor"};
+        for (const GpuInfo& gpu : gpus().gpus) {
+            if (!gpu.refusal.empty()) continue;
+            names.push_back(gpu.device);
+            summaries.push_back(gpu.title + ", " + gpu.type);
+        }
+        std::string device = settings.device;
+        const std::string help = "What renders. " + gpus().problem;
+        if (choose("Device", device, names, help.c_str(), summaries)) use_device(settings, device);
+    }
+
     static void draw_integrator(RenderSettings& settings)
     {
         std::vector<std::string> names, summaries;
@@ -129,7 +160,13 @@ class Settings : public Panel
     static void draw_structure(RenderSettings& settings)
     {
         std::vector<std::string> names, summaries;
-        for (const AccelInfo& info : accels()) names.emplace_back(info.name), summaries.emplace_back(info.summary);
+        const auto add = [&](const AccelInfo& info) {
+            names.emplace_back(info.name), summaries.emplace_back(info.summary);
+        };
+        if (settings.device == "cpu")
+            for (const AccelInfo& info : accels()) add(info);
+        else
+            for (const std::string_view name : gpu_accels()) add(*find_accel(name));
         std::string accel = settings.accel.empty() ? names[0] : settings.accel;
         if (choose("Structure", accel, names, "What finds the hits of rays: the acceleration structure", summaries))
             settings.accel = accel;
@@ -192,6 +229,10 @@ bool Settings::set(ViewState& state, const std::string& name, const std::string&
         if (value != "sobol" && value != "independent")
             throw Error(fmt::format("there is no sampler '{}'", value), "there are: sobol, independent");
         settings.sampler = value;
+    } else if (name == "device") {
+        if (!is_device_name(value))
+            throw Error(fmt::format("there is no device '{}'", value), "there are: cpu, gpu, gpu:N, auto");
+        use_device(settings, choose_device(value).device);
     } else if (name == "accel") {
         check_known("structure", value, accels());
         settings.accel = value;
@@ -220,6 +261,7 @@ std::optional<std::string> Settings::get(ViewState& state, const std::string& na
     if (name == "integrator") return settings.integrator;
     if (name == "sampler") return settings.sampler;
     if (name == "accel") return settings.accel;
+    if (name == "device") return settings.device;
     if (name == "seed") return std::to_string(settings.seed);
     if (name == "governor") return state.governor.enabled ? "on" : "off";
     if (name == "target_ms") return fmt::format("{}", state.governor.target_ms);

@@ -54,5 +54,15 @@ TWIN_BUILTIN(first_hit, 1e-3f, 1e-4f, 0.001f) // the normals switch sides
     give(f.object);
     give(f.material);
 }
+TWIN_BUILTIN(look_through, 1e-3f, 1e-3f, 0.002f) // see sample_bsdf
+{
+    RenderParams params = draw_params();
+    PathState state = draw_state();
+    Ray ray = draw_ray();
+    Hit hit = draw_hit();
+    LookThrough seen = look_through(scene, params, state, ray, hit);
+    give(seen.ok);
+    if (seen.ok != 0u) give_camera_path(seen.path);
+}
 
 #endif

@@ -1,4 +1,4 @@
-#include "tests/gpu/spirv_exact.h"
+#include "snell/vulkan/spirv.h"
 
 #include "snell/core/error.h"
 

@@ -1,0 +1,245 @@
+// Pictures of the GPU backend are those of the CPU backend: the same random numbers, the same paths.
+#include "snell/core/timer.h"
+#include "snell/kernel/views.h"
+#include "snell/render/integrator.h"
+#include "snell/render/rendering.h"
+#include "snell/scene/builtin.h"
+#include "tests/render/scenes.h"
+#include "tests/vulkan/gpu_test.h"
+
+#include <cmath>
+
+namespace snell::test {
+namespace {
+
+RenderSettings gpu_settings(RenderSettings settings)
+{
+    settings.device = test_device();
+    return settings;
+}
+
+// A pixel agrees if its colour does to a part in a thousand: rounding differs along a path of several surfaces. Where a
+// comparison of floats goes the other way (an edge, a lobe, the roulette), a path goes its own way from there on.
+bool agree(vec3 a, vec3 b)
+{
+    for (int i = 0; i < 3; ++i)
+        if (!(std::abs(a[i] - b[i]) <= 1e-3f * std::max(std::abs(a[i]), std::abs(b[i])) + 1e-5f)) return false;
+    return true;
+}
+
+double share_of_others(const std::vector<vec3>& a, const std::vector<vec3>& b)
+{
+    std::size_t others = 0;
+    for (std::size_t i = 0; i < a.size(); ++i) others += !agree(a[i], b[i]);
+    return static_cast<double>(others) / static_cast<double>(a.size());
+}
+
+// Less than half a percent of pixels with one sample may be other paths.
+void expect_same_picture(const Scene& scene, RenderSettings settings, double allowed = 0.005)
+{
+    SCOPED_TRACE(settings.integrator);
+    settings.accel = "bvh8q";
+    const RenderResult on_cpu = render(scene, settings);
+    const RenderResult on_gpu = render(scene, gpu_settings(settings));
+    ASSERT_EQ(on_gpu.film.sample_count, on_cpu.film.sample_count);
+    EXPECT_LT(share_of_others(on_gpu.film.sum, on_cpu.film.sum), allowed);
+    EXPECT_EQ(on_gpu.stats.camera_rays, on_cpu.stats.camera_rays);
+    EXPECT_EQ(on_gpu.stats.samples, on_cpu.stats.samples);
+    const auto close = [](std::uint64_t a, std::uint64_t b) {
+        return std::abs(static_cast<double>(a) - static_cast<double>(b)) <= 0.01 * static_cast<double>(b) + 8;
+    };
+    EXPECT_TRUE(close(on_gpu.stats.extension_rays, on_cpu.stats.extension_rays))
+        << on_gpu.stats.extension_rays << " " << on_cpu.stats.extension_rays;
+    EXPECT_TRUE(close(on_gpu.stats.shadow_rays, on_cpu.stats.shadow_rays))
+        << on_gpu.stats.shadow_rays << " " << on_cpu.stats.shadow_rays;
+    EXPECT_EQ(on_gpu.film.dropped_samples, on_cpu.film.dropped_samples);
+    EXPECT_EQ(on_gpu.film.seen_through, on_cpu.film.seen_through);
+}
+
+RenderSettings one_sample(const std::string& integrator)
+{
+    RenderSettings settings;
+    settings.width = 56;
+    settings.height = 40;
+    settings.spp = 1;
+    settings.integrator = integrator;
+    return settings;
+}
+
+Scene small_builtin(const BuiltinScene& builtin)
+{
+    Scene scene = builtin.make_with != nullptr ? builtin.make_with(builtin.name == "field"         ? 2000
+                                                                   : builtin.name == "many-lights" ? 40
+                                                                                                   : 3)
+                                               : builtin.make();
+    complete(scene, 1.4f);
+    return scene;
+}
+
+TEST(GpuPictures, BuiltInScenes)
+{
+    SNELL_NEEDS_GPU();
+    for (const BuiltinScene& builtin : builtin_scenes()) {
+        SCOPED_TRACE(builtin.name);
+        expect_same_picture(small_builtin(builtin), one_sample("path"));
+    }
+}
+
+TEST(GpuPictures, EveryIntegrator)
+{
+    SNELL_NEEDS_GPU();
+    const Scene scene = mixed_scene();
+    for (const IntegratorInfo& integrator : integrators()) {
+        if (integrator.radiance) continue;
+        // Boxes of nodes are met or missed by other roundings: a step more or less.
+        expect_same_picture(scene, one_sample(integrator.name), integrator.view == view_steps ? 0.2 : 0.005);
+    }
+}
+
+TEST(GpuPictures, PrincipledMaterialsHolesAndDispersion)
+{
+    SNELL_NEEDS_GPU();
+    for (const char* integrator : {"path", "whitted"}) expect_same_picture(principled_scene(), one_sample(integrator));
+}
+
+TEST(GpuPictures, PathTracerWithItsSwitches)
+{
+    SNELL_NEEDS_GPU();
+    const Scene scene = mixed_scene();
+    for (const char* key : {"nee", "mis", "rr"}) {
+        SCOPED_TRACE(key);
+        RenderSettings settings = one_sample("path");
+        settings.parameters[key] = "0";
+        settings.parameters["max_depth"] = "20"; // more than one submission
+        expect_same_picture(scene, settings);
+    }
+    for (const char* depth : {"1", "2"}) {
+        RenderSettings settings = one_sample("path");
+        settings.parameters["max_depth"] = depth;
+        settings.sampler = "independent";
+        settings.seed = 7;
+        settings.first_sample = 3;
+        expect_same_picture(scene, settings);
+    }
+}
+
+TEST(GpuPictures, TheBinaryTreeGivesTheSameBits)
+{
+    SNELL_NEEDS_GPU();
+    RenderSettings settings = gpu_settings(one_sample("path"));
+    const RenderResult quantised = render(mixed_scene(), settings);
+    settings.accel = "bvh2";
+    EXPECT_TRUE(same_bits(render(mixed_scene(), settings).film.sum, quantised.film.sum));
+}
+
+TEST(GpuPictures, LayersOfFirstHits)
+{
+    SNELL_NEEDS_GPU();
+    RenderSettings settings = small_picture("path");
+    settings.accel = "bvh8q";
+    const Film cpu = render(mixed_scene(), settings).film, gpu = render(mixed_scene(), gpu_settings(settings)).film;
+    const FilmLayers &p = cpu.layers, &q = gpu.layers;
+    const auto same = [](const std::vector<vec3>& a, const std::vector<vec3>& b) { return share_of_others(a, b); };
+    EXPECT_LT(same(p.albedo, q.albedo), 0.005);
+    EXPECT_LT(same(p.normal, q.normal), 0.005);
+    EXPECT_LT(same(p.geometric_normal, q.geometric_normal), 0.005);
+    EXPECT_LT(same(p.position, q.position), 0.005);
+    EXPECT_LT(same(p.emission, q.emission), 0.005);
+    EXPECT_LT(same(p.direct, q.direct), 0.05); // eleven samples each
+    EXPECT_LT(same(p.indirect, q.indirect), 0.05);
+    EXPECT_EQ(p.object, q.object);
+    EXPECT_EQ(p.material, q.material);
+    EXPECT_EQ(p.hit_count, q.hit_count);
+    EXPECT_EQ(p.sample_count, q.sample_count);
+    for (std::size_t i = 0; i < p.depth.size(); ++i)
+        EXPECT_NEAR(p.depth[i], q.depth[i], 1e-3f * p.depth[i]) << "pixel " << i;
+    const auto [least, most] = std::minmax_element(q.steps.begin(), q.steps.end());
+    EXPECT_GT(*least, 0.0f);
+    EXPECT_GT(*most, *least);
+    EXPECT_GT(*std::max_element(gpu.seconds.begin(), gpu.seconds.end()), 0.0f);
+}
+
+// However the samples of a picture are asked for, and however many run together.
+TEST(GpuPictures, AreTheSameInParts)
+{
+    SNELL_NEEDS_GPU();
+    for (const char* integrator : {"path", "whitted"}) {
+        SCOPED_TRACE(integrator);
+        const RenderSettings settings = gpu_settings(small_picture(integrator));
+        const auto prepared = prepare(mixed_scene(), settings);
+        const auto go_on = [] { return true; };
+        Rendering whole(*prepared, settings, prepared->camera), parts(*prepared, settings, prepared->camera);
+        whole.add_samples(whole.region(), 0, settings.spp, go_on);
+        for (uint sample = 0; sample < settings.spp; sample += 4)
+            for (const int x : {0, 5, 30})
+                parts.add_samples({x, 0,
+                                   x == 0   ? 5
+                                   : x == 5 ? 30
+                                            : settings.width,
+                                   settings.height},
+                                  sample, std::min(4u, settings.spp - sample), go_on);
+        expect_same_film(whole.film, parts.film);
+        EXPECT_EQ(whole.stats().rays(), parts.stats().rays());
+    }
+}
+
+TEST(GpuPictures, AllMeansAreThoseOfTheCpu)
+{
+    SNELL_NEEDS_GPU();
+    // Independent random numbers, and others on both sides: blocks of pixels agree within three standard errors.
+    for (const char* integrator : {"path", "whitted"}) {
+        SCOPED_TRACE(integrator);
+        RenderSettings settings = one_sample(integrator);
+        settings.sampler = "independent";
+        settings.spp = 64;
+        settings.seed = 1;
+        const Film cpu = render(principled_scene(), settings).film;
+        settings.seed = 2;
+        const Film gpu = render(principled_scene(), gpu_settings(settings)).film;
+        constexpr int block = 8;
+        for (int y0 = 0; y0 < cpu.height; y0 += block)
+            for (int x0 = 0; x0 < cpu.width; x0 += block) {
+                double difference = 0, variance = 0;
+                for (int y = y0; y < y0 + block; ++y)
+                    for (int x = x0; x < x0 + block; ++x) {
+                        const auto i = static_cast<std::size_t>(y * cpu.width + x);
+                        difference += static_cast<double>(luminance(gpu.sum[i])) / gpu.sample_count[i] -
+                                      static_cast<double>(luminance(cpu.sum[i])) / cpu.sample_count[i];
+                        variance += cpu.mean_variance(i) + gpu.mean_variance(i);
+                    }
+                EXPECT_LT(std::abs(difference), 3 * std::sqrt(variance) + 1e-6) << "block " << x0 << "," << y0;
+            }
+    }
+}
+
+TEST(GpuPictures, FollowAScene)
+{
+    SNELL_NEEDS_GPU();
+    RenderSettings settings = gpu_settings(one_sample("path"));
+    settings.keep_motion = true;
+    Scene scene = mixed_scene();
+    const auto prepared = prepare(scene, settings);
+    scene.instances.back().transform = translation(vec3(0.5f, 1.5f, 0.5f));
+    prepared->update(scene, change_pose);
+    EXPECT_TRUE(prepared->updated);
+    EXPECT_LT(prepared->device->uploaded_bytes, prepared->device->bytes());
+    const Film followed = render(*prepared, settings).film;
+    EXPECT_TRUE(same_bits(followed.sum, render(scene, settings).film.sum));
+}
+
+TEST(GpuPictures, StopsWhenAsked)
+{
+    SNELL_NEEDS_GPU();
+    RenderSettings settings = gpu_settings(small_picture("path"));
+    settings.width = settings.height = 128;
+    const auto prepared = prepare(mixed_scene(), settings);
+    Rendering rendering(*prepared, settings, prepared->camera);
+    int calls = 0;
+    rendering.add_samples(rendering.region(), 0, settings.spp, [&] { return ++calls < 2; });
+    EXPECT_EQ(calls, 2);
+    EXPECT_LT(rendering.stats().samples, rendering.samples_in_all());
+    EXPECT_EQ(rendering.film.sample_count.back(), 0u);
+}
+
+} // namespace
+} // namespace snell::test
