@@ -19,6 +19,8 @@ constexpr uint samples_at_once = 64;
 // the queues still fit its caches.
 constexpr std::size_t most_paths = std::size_t{1} << 20, most_paths_on_processor = std::size_t{1} << 16;
 constexpr std::size_t fewest_paths = 4096;
+// Whitted's renderer has up to 1 / whitted_cutoff rays of a sample alive: the samples of one pixel must always fit.
+constexpr std::size_t fewest_branching_paths = samples_at_once * 256;
 
 // Commands that are handed over together should take that long: nobody waits longer for the device, drivers do not take
 // it for hanging (they give up after 2 to 10 seconds), and starting them costs little beside.
@@ -37,10 +39,11 @@ static std::size_t capacity_for(const Gpu& gpu, const BackendJob& job)
 {
     const double samples =
         static_cast<double>(job.settings.width) * job.settings.height * std::min(job.settings.spp, samples_at_once);
+    const std::size_t fewest = kinds_of(job).branches ? fewest_branching_paths : fewest_paths;
     std::size_t most = gpu.is_processor() ? most_paths_on_processor : most_paths;
     const std::size_t room = gpu.info().info.memory_bytes / 4;
-    while (most > fewest_paths && most * (Queues::bytes_of_path(kinds_of(job)) + sizeof(GpuSlot)) > room) most /= 2;
-    std::size_t capacity = fewest_paths;
+    while (most > fewest && most * (Queues::bytes_of_path(kinds_of(job)) + sizeof(GpuSlot)) > room) most /= 2;
+    std::size_t capacity = fewest;
     while (capacity < most && static_cast<double>(capacity) < samples) capacity *= 2;
     return capacity;
 }

@@ -123,6 +123,32 @@ TEST(GpuPictures, PathTracerWithItsSwitches)
     }
 }
 
+// All that the camera sees is glass, where each ray becomes two: more than the queues take at once.
+TEST(GpuPictures, RaysThatBranchWithoutEnd)
+{
+    SNELL_NEEDS_GPU();
+    Scene scene;
+    scene.environment.radiance = vec3(1.0f, 0.8f, 0.6f);
+    MaterialDesc glass;
+    glass.kind = material_dielectric;
+    glass.ior = 1.5f;
+    for (const float radius : {3.0f, 2.5f, 2.0f}) {
+        SphereDesc ball;
+        ball.radius = radius;
+        ball.material = add(scene, glass);
+        place(scene, ball);
+    }
+    CameraDesc camera;
+    camera.eye = vec3(0.0f, 0.0f, 4.0f);
+    camera.target = vec3(0.0f);
+    add(scene, camera);
+    validate(scene);
+    RenderSettings settings = one_sample("whitted");
+    settings.width = settings.height = 128;
+    settings.spp = 3;
+    expect_same_picture(scene, settings, 0.02); // three samples, of a hundred rays each
+}
+
 TEST(GpuPictures, TheBinaryTreeGivesTheSameBits)
 {
     SNELL_NEEDS_GPU();
