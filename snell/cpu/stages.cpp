@@ -183,7 +183,12 @@ void record_first_hits(const StageContext& context, Batch& batch, const Region& 
     batch.hits.resize(batch.paths.size());
     batch.steps.resize(batch.paths.size());
     intersect_paths_counted(context, batch);
-    for (std::size_t slot = 0; slot < batch.slots.size(); ++slot) layers.sample_count[film_index(slot)] += 1;
+    // Paths are in the order of their slots; those that are not there the camera does not see.
+    for (std::size_t slot = 0, path = 0; slot < batch.slots.size(); ++slot)
+        if (path < batch.paths.size() && batch.paths.states[path].slot == slot)
+            ++path;
+        else
+            add_first_hit(layers, film_index(slot), nullptr, 0);
     // What is seen in mirrors comes later than the rest; to add up in the order of samples, keep it by slot first.
     std::vector<vec3> albedo(batch.slots.size(), vec3(0.0f)), normal(batch.slots.size(), vec3(0.0f));
     for (uint bounce = 0; batch.paths.size() > 0; ++bounce) {

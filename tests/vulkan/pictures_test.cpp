@@ -4,6 +4,7 @@
 #include "snell/render/integrator.h"
 #include "snell/render/rendering.h"
 #include "snell/scene/builtin.h"
+#include "snell/scene/camera_models.h"
 #include "tests/render/scenes.h"
 #include "tests/vulkan/gpu_test.h"
 
@@ -147,6 +148,32 @@ TEST(GpuPictures, RaysThatBranchWithoutEnd)
     settings.width = settings.height = 128;
     settings.spp = 3;
     expect_same_picture(scene, settings, 0.02); // three samples, of a hundred rays each
+}
+
+// Also where a camera sees nothing: outside of a fisheye's circle, behind the rim of a lens.
+TEST(GpuPictures, EveryCameraModel)
+{
+    SNELL_NEEDS_GPU();
+    Scene scene = mixed_scene();
+    for (const CameraModelInfo& info : camera_models()) {
+        SCOPED_TRACE(std::string(info.name));
+        CameraModel model = usual_model(info.kind);
+        if (info.kind == camera_pinhole) model.lens_radius = 0.05f;
+        scene.cameras[0].model = model;
+        scene.cameras[0].fov_degrees = info.usual_fov;
+        for (const char* integrator : {"path", "whitted", "ao", "albedo"}) {
+            // Rays through a lens of glass are the result of a dozen refractions: more of them round the other way.
+            expect_same_picture(scene, one_sample(integrator), info.kind == camera_lens ? 0.02 : 0.005);
+        }
+    }
+    scene.cameras[0].model = usual_model(camera_equidistant);
+    scene.cameras[0].fov_degrees = 200.0f;
+    RenderSettings settings = small_picture("path");
+    settings.accel = "bvh8q";
+    const FilmLayers p = render(scene, settings).film.layers, q = render(scene, gpu_settings(settings)).film.layers;
+    EXPECT_EQ(p.sample_count, q.sample_count);
+    EXPECT_LT(share_of_others(p.albedo, q.albedo), 0.005);
+    EXPECT_LT(share_of_others(p.position, q.position), 0.005);
 }
 
 TEST(GpuPictures, TheBinaryTreeGivesTheSameBits)
