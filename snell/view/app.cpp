@@ -355,6 +355,16 @@ void App::act(KeyPress press)
     case Action::restart:
         session_->restart();
         break;
+    case Action::other_device:
+        try {
+            std::string& device =
+                state_.panes[std::min(state_.active_pane, state_.panes.size() - 1)].request.settings.device;
+            find_panel("Rendering")->set(state_, "device", device == "cpu" ? "gpu" : "cpu");
+            state_.say("rendering on " + device);
+        } catch (const Error& error) {
+            state_.say(error.what());
+        }
+        break;
     case Action::recall_view:
         if (state_.stored[digit])
             show_camera(*state_.stored[digit], seconds_now());

@@ -27,6 +27,7 @@ static constexpr std::array table = {
     Key{"Space", SDLK_SPACE, false, Action::play, "Play or pause the animation"},
     Key{"P", SDLK_p, false, Action::pause_rendering, "Pause rendering, or go on"},
     Key{"R", SDLK_r, false, Action::restart, "Render again from the first sample"},
+    Key{"V", SDLK_v, false, Action::other_device, "Render on the GPU, or on the processor again"},
     Key{"Ctrl+Z", SDLK_z, true, Action::undo, "Undo the last edit"},
     Key{"Ctrl+Y", SDLK_y, true, Action::redo, "Redo it"},
     Key{"Ctrl+O", SDLK_o, true, Action::open, "Open a scene"},

@@ -26,6 +26,7 @@ enum class Action
     exposure_down,
     exposure_up,
     restart,
+    other_device,
     recall_view, // with the key's digit
     store_view,
     undo,
