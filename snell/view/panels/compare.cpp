@@ -88,7 +88,8 @@ class Compare : public Panel
     }
 
     // panes N; arrangement side|divider; show PANE:rendering|file:NAME|difference:A:B:KIND; truth PANE;
-    // pane.integrator PANE:NAME, and in the same way pane.sampler, pane.accel, pane.seed. Panes are counted from 1.
+    // pane.integrator PANE:NAME, and in the same way pane.sampler, pane.accel, pane.device, pane.seed. Panes are counted
+    // from 1.
     bool set(ViewState& state, const std::string& name, const std::string& value) override;
     // panes; mse, relmse, psnr, or with a pane behind it: mse2. Of the pane against the reference.
     std::optional<std::string> get(ViewState& state, const std::string& name) override;
@@ -98,6 +99,7 @@ class Compare : public Panel
     {
         std::string label = fmt::format("{}, {}", s.integrator, s.sampler);
         if (!s.accel.empty()) label += ", " + s.accel;
+        if (!s.device.empty() && s.device != "cpu") label += ", " + s.device;
         if (s.seed != 0) label += fmt::format(", seed {}", s.seed);
         for (const auto& [key, value] : s.parameters) label += fmt::format(", {}={}", key, value);
         return label;
@@ -418,6 +420,8 @@ bool Compare::set(ViewState& state, const std::string& name, const std::string& 
         state.panes[pane_number(state, value)].request.settings.sampler = value;
     } else if (name == "pane.accel") {
         state.panes[pane_number(state, value)].request.settings.accel = value;
+    } else if (name == "pane.device") {
+        state.panes[pane_number(state, value)].request.settings.device = value;
     } else if (name == "pane.seed") {
         RenderSettings& settings = state.panes[pane_number(state, value)].request.settings;
         std::from_chars(value.data(), value.data() + value.size(), settings.seed);
