@@ -61,8 +61,17 @@ std::string usable_gpu(const std::string& list)
     return "";
 }
 
+// A Vulkan driver keeps 128 bytes for each instance and is unloaded before the leak sanitizer looks, so that they
+// cannot be told from ours: five lines that make an instance and destroy it leak them as well.
+static Variable without_leak_check()
+{
+    const char* before = std::getenv("ASAN_OPTIONS");
+    return Variable("ASAN_OPTIONS", (std::string(before != nullptr ? before : "") + ":detect_leaks=0").c_str());
+}
+
 TEST(Device, ListOfWhatThereIs)
 {
+    const Variable options = without_leak_check();
     Program program;
     for (const std::vector<std::string>& arguments :
          {std::vector<std::string>{"--list-devices"}, {"render", "--list-devices"}, with(small, {"--list-devices"})}) {
@@ -100,6 +109,7 @@ TEST(Device, WithoutADriverThereIsNoGpu)
 
 TEST(Device, GpuRendersTheSamePicture)
 {
+    const Variable options = without_leak_check();
     const Variable cache = own_cache();
     Program program;
     const std::string gpu = usable_gpu(program.run({"--list-devices"}).out);
