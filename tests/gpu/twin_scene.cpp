@@ -9,7 +9,7 @@
 #include <cmath>
 #include <random>
 
-namespace snell {
+namespace snell::test {
 
 GpuScene::GpuScene(const Gpu& gpu, const SceneWords& scene)
 {
@@ -343,4 +343,4 @@ SceneWords pattern_scene()
     return scene;
 }
 
-} // namespace snell
+} // namespace snell::test

@@ -9,7 +9,7 @@
 #include <cstring>
 #include <vector>
 
-namespace snell {
+namespace snell::test {
 
 // The arrays of a SceneView in the order of its pointers, which are its first members.
 class SceneWords
@@ -67,4 +67,4 @@ SceneWords random_scene();
 SceneWords pattern_scene();
 std::uint32_t pattern_word(std::size_t i);
 
-} // namespace snell
+} // namespace snell::test

@@ -13,10 +13,12 @@
 #include <iostream>
 
 namespace snell {
-
 #define GROUP(name) void twin_group_##name();
 #include "twin_groups.inc"
 #undef GROUP
+} // namespace snell
+
+namespace snell::test {
 
 namespace {
 constexpr std::size_t items = 100'000;
@@ -337,4 +339,4 @@ class Closing : public testing::Environment
 };
 const testing::Environment* const closing = testing::AddGlobalTestEnvironment(new Closing);
 } // namespace
-} // namespace snell
+} // namespace snell::test

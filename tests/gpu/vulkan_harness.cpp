@@ -6,7 +6,7 @@
 #include <cstring>
 #include <fstream>
 
-namespace snell {
+namespace snell::test {
 
 namespace {
 constexpr const char* validation_layer = "VK_LAYER_KHRONOS_validation";
@@ -285,4 +285,4 @@ void Gpu::run(const GpuKernel& kernel, const void* push, std::uint32_t groups) c
     vkFreeCommandBuffers(device, pool, 1, &commands);
 }
 
-} // namespace snell
+} // namespace snell::test

@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-namespace snell {
+namespace snell::test {
 
 // Memory that both the host (at data) and shaders (at address) see.
 class GpuBuffer
@@ -86,4 +86,4 @@ class Gpu
     std::vector<std::string>& validation_messages;
 };
 
-} // namespace snell
+} // namespace snell::test
