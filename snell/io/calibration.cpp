@@ -121,11 +121,14 @@ CameraModel load_calibration(const std::filesystem::path& file, std::optional<ui
 {
     const Storage storage(file);
     CameraModel model;
-    model.calibrated_width = storage.number(storage.find_or_fail({"image_width", "imageWidth"}));
-    model.calibrated_height = storage.number(storage.find_or_fail({"image_height", "imageHeight"}));
-
-    if (!(model.calibrated_width > 0.0f && model.calibrated_height > 0.0f))
-        storage.fail(0, "a picture without pixels", "write image_width and image_height, in pixels");
+    const auto size = [&](std::initializer_list<std::string_view> names) {
+        const std::size_t at = storage.find_or_fail(names);
+        const float pixels = storage.number(at);
+        if (!(pixels > 0.0f)) storage.fail(at, "a picture without pixels", "write a number above 0");
+        return pixels;
+    };
+    model.calibrated_width = size({"image_width", "imageWidth"});
+    model.calibrated_height = size({"image_height", "imageHeight"});
 
     const std::size_t at = storage.find_or_fail({"camera_matrix", "cameraMatrix", "K"});
     const std::vector<float> k = storage.matrix(at);

@@ -33,6 +33,19 @@ std::optional<double> read_value(const std::string& text)
     return value;
 }
 
+std::size_t take_pane(const ViewState& state, std::string& value)
+{
+    std::size_t number = 0;
+    const auto [end, code] = std::from_chars(value.data(), value.data() + value.size(), number);
+    if (code != std::errc() || number < 1 || number > state.panes.size())
+        throw Error(fmt::format("'{}' begins with no pane's number", value),
+                    fmt::format("there are panes 1 to {}", state.panes.size()));
+    std::size_t skip = static_cast<std::size_t>(end - value.data());
+    if (skip < value.size() && value[skip] == ':') ++skip;
+    value.erase(0, skip);
+    return number - 1;
+}
+
 static float number(const std::string& name, const std::string& value, double least, double most)
 {
     const auto read = read_value(value);

@@ -82,6 +82,13 @@ TEST(Calibration, BrokenOnesAreErrors)
         }
     }
     EXPECT_THROW(load_calibration("no/such/file.yml"), Error);
+    try { // where it is
+        read_calibration("%YAML:1.0\n---\nimage_width: 640\nimage_height: 0\n" + yaml_matrix + yaml_five);
+        ADD_FAILURE();
+    } catch (const Error& error) {
+        EXPECT_NE(std::string(error.what()).find("calibration.yml:4: a picture without pixels"), std::string::npos)
+            << error.what();
+    }
 }
 
 // Whatever is cut off, it ends in a camera or an Error.

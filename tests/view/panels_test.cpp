@@ -109,6 +109,9 @@ TEST_F(Viewer, ComparesPanes)
                                    "quit\n",
                                    {"--spp", "4", "--size", "900x500"});
     ASSERT_EQ(outcome.code, 0) << outcome.err;
+    const Outcome wrong = script("open cornell\nwait scene\nset pane.seed 1:many\n");
+    EXPECT_EQ(wrong.code, 2);
+    EXPECT_NE(wrong.err.find("script.txt:3: seed: 'many' is not a number"), std::string::npos) << wrong.err;
     // The albedo knows no shadow.
     const vec3 shaded = mean("beside.png", 0.0f, 0.1f, 0.5f, 0.9f), albedo = mean("beside.png", 0.5f, 0.1f, 1.0f, 0.9f);
     EXPECT_GT(albedo.y, 1.2f * shaded.y);

@@ -6,6 +6,7 @@
 #include "snell/render/integrator.h"
 #include "snell/view/background.h"
 #include "snell/view/panel.h"
+#include "snell/view/script_values.h"
 #include "snell/view/widgets.h"
 
 #include <imgui.h>
@@ -87,9 +88,8 @@ class Compare : public Panel
         if (state.panes.size() > 1) draw_errors(state);
     }
 
-    // panes N; arrangement side|divider; show PANE:rendering|file:NAME|difference:A:B:KIND; truth PANE;
-    // pane.integrator PANE:NAME, and in the same way pane.sampler, pane.accel, pane.device, pane.seed. Panes are counted
-    // from 1.
+    // panes N; arrangement side|divider; show PANE:rendering|file:NAME|difference:A:B:KIND; truth PANE. Panes are
+    // counted from 1.
     bool set(ViewState& state, const std::string& name, const std::string& value) override;
     // panes; mse, relmse, psnr, or with a pane behind it: mse2. Of the pane against the reference.
     std::optional<std::string> get(ViewState& state, const std::string& name) override;
@@ -356,20 +356,6 @@ class Compare : public Panel
 
 // ---- for scripts ----
 
-// "2:path" is "path" for pane 2, counted from 1.
-std::size_t pane_number(const ViewState& state, std::string& value)
-{
-    std::size_t number = 0;
-    const auto [end, code] = std::from_chars(value.data(), value.data() + value.size(), number);
-    if (code != std::errc() || number < 1 || number > state.panes.size())
-        throw Error(fmt::format("'{}' begins with no pane's number", value),
-                    fmt::format("there are panes 1 to {}", state.panes.size()));
-    std::size_t skip = static_cast<std::size_t>(end - value.data());
-    if (skip < value.size() && value[skip] == ':') ++skip;
-    value.erase(0, skip);
-    return number - 1;
-}
-
 bool Compare::is_structure(const std::string& key)
 {
     return key == "builder" || key == "update";
@@ -388,9 +374,9 @@ bool Compare::set(ViewState& state, const std::string& name, const std::string& 
             throw Error(fmt::format("there is no arrangement '{}'", value), "there are side and divider");
         state.arrangement = value == "side" ? Arrangement::side_by_side : Arrangement::divider;
     } else if (name == "truth") {
-        reference_ = pane_number(state, value);
+        reference_ = take_pane(state, value);
     } else if (name == "show") {
-        const std::size_t pane = pane_number(state, value);
+        const std::size_t pane = take_pane(state, value);
         Choice& choice = choices_[pane];
         choice.trouble.clear();
         if (value == "rendering") {
@@ -403,8 +389,8 @@ bool Compare::set(ViewState& state, const std::string& name, const std::string& 
         } else if (value.starts_with("difference:")) {
             value.erase(0, 11);
             choice.shows = Shows::difference;
-            choice.picture_pane = pane_number(state, value);
-            choice.reference_pane = pane_number(state, value);
+            choice.picture_pane = take_pane(state, value);
+            choice.reference_pane = take_pane(state, value);
             const auto kind = std::find_if(std::begin(difference_names), std::end(difference_names),
                                            [&](std::string_view kind_name) { return kind_name.starts_with(value); });
             if (value.empty() || kind == std::end(difference_names))
@@ -414,17 +400,6 @@ bool Compare::set(ViewState& state, const std::string& name, const std::string& 
         } else
             throw Error(fmt::format("a pane cannot show '{}'", value),
                         "it can show rendering, file:NAME, difference:PANE:PANE:KIND");
-    } else if (name == "pane.integrator") {
-        state.panes[pane_number(state, value)].request.settings.integrator = value;
-    } else if (name == "pane.sampler") {
-        state.panes[pane_number(state, value)].request.settings.sampler = value;
-    } else if (name == "pane.accel") {
-        state.panes[pane_number(state, value)].request.settings.accel = value;
-    } else if (name == "pane.device") {
-        state.panes[pane_number(state, value)].request.settings.device = value;
-    } else if (name == "pane.seed") {
-        RenderSettings& settings = state.panes[pane_number(state, value)].request.settings;
-        std::from_chars(value.data(), value.data() + value.size(), settings.seed);
     } else
         return false;
     state.wake();
@@ -437,7 +412,7 @@ std::optional<std::string> Compare::get(ViewState& state, const std::string& nam
     for (const std::string_view kind : {"relmse", "mse", "psnr"}) {
         if (!name.starts_with(kind)) continue;
         std::string digits = name.substr(kind.size());
-        const std::size_t pane = digits.empty() ? 0 : pane_number(state, digits);
+        const std::size_t pane = digits.empty() ? 0 : take_pane(state, digits);
         if (pane >= errors_.errors.size() || !errors_.errors[pane]) return "none";
         const PictureError& e = *errors_.errors[pane];
         return fmt::format("{}", kind == "mse" ? e.mse : kind == "relmse" ? e.relmse : e.psnr);

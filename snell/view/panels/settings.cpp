@@ -4,6 +4,7 @@
 #include "snell/render/device.h"
 #include "snell/render/integrator.h"
 #include "snell/view/panel.h"
+#include "snell/view/script_values.h"
 #include "snell/view/widgets.h"
 
 #include <imgui.h>
@@ -90,6 +91,8 @@ class Settings : public Panel
 
     bool set(ViewState& state, const std::string& name, const std::string& value) override;
     std::optional<std::string> get(ViewState& state, const std::string& name) override;
+    // Of one pane's settings; false: there is none of that name.
+    static bool set_of(RenderSettings& settings, const std::string& name, const std::string& value);
 
   private:
     // Looks for GPUs once; that takes a moment.
@@ -220,7 +223,26 @@ void check_known(const std::string& what, const std::string& value, const Infos&
 
 bool Settings::set(ViewState& state, const std::string& name, const std::string& value)
 {
-    RenderSettings& settings = state.panes[std::min(state.active_pane, state.panes.size() - 1)].request.settings;
+    if (name == "governor") {
+        state.governor.enabled = value == "on" || value == "1";
+        return true;
+    }
+    if (name == "target_ms") {
+        state.governor.target_ms = parse_count(name, value, 1, 10000);
+        return true;
+    }
+    // Of the active pane, or as in "pane.seed 2:9".
+    constexpr std::string_view of_pane = "pane.";
+    if (!name.starts_with(of_pane))
+        return set_of(state.panes[std::min(state.active_pane, state.panes.size() - 1)].request.settings, name, value);
+    std::string rest = value;
+    const std::size_t pane = take_pane(state, rest);
+    state.wake();
+    return set_of(state.panes[pane].request.settings, name.substr(of_pane.size()), rest);
+}
+
+bool Settings::set_of(RenderSettings& settings, const std::string& name, const std::string& value)
+{
     if (name == "integrator") {
         check_known(name, value, integrators());
         settings.integrator = value;
@@ -243,10 +265,6 @@ bool Settings::set(ViewState& state, const std::string& name, const std::string&
         settings.spp = parse_count(name, value, 1, 1u << 30);
     } else if (name == "seed") {
         settings.seed = parse_count(name, value, 0, 0xffffffffu);
-    } else if (name == "governor") {
-        state.governor.enabled = value == "on" || value == "1";
-    } else if (name == "target_ms") {
-        state.governor.target_ms = parse_count(name, value, 1, 10000);
     } else if (name.starts_with("D.")) {
         settings.parameters[name.substr(2)] = value;
     } else {
