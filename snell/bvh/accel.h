@@ -45,6 +45,7 @@ struct AccelOptions
     UpdatePolicy update = UpdatePolicy::automatic;
     double rebuild_factor = 1.5;
     std::filesystem::path cache; // folder that keeps trees; empty: none
+    bool build_on_gpu = false;   // the GPU that renders builds the trees too, and `build` is for the host's own use
 
     bool operator==(const AccelOptions&) const = default;
 };

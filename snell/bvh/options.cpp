@@ -11,8 +11,9 @@
 
 namespace snell {
 
-static const std::array<std::string, 7> keys = {
+static const std::array<std::string, 8> keys = {
     "builder=auto  how the tree is built: see 'snell list'",
+    "build_on=cpu  with --device gpu: cpu (better trees) or gpu (built faster, by clustering: docs/gpu.md)",
     "split_budget=0.25  sbvh: references it may add, as a part of the primitives",
     "reinsertion=0  rounds of reinsertion after building, 0 to 100 (auto does two by itself)",
     "traversal=auto  auto, single, packets or stream",
@@ -65,6 +66,8 @@ AccelOptions read_accel_options(const std::map<std::string, std::string>& parame
     for (const auto& [key, text] : parameters) {
         if (key == "builder") {
             base.build.builder = text;
+        } else if (key == "build_on") {
+            base.build_on_gpu = read_choice(key, text, std::array{pair{"cpu", false}, pair{"gpu", true}});
         } else if (key == "split_budget") {
             base.build.split_budget = read_number(key, text, 0, 4);
         } else if (key == "reinsertion") {

@@ -1,6 +1,7 @@
 // Devices that can render: the processor, and GPUs.
 #pragma once
 
+#include "snell/bvh/accel.h"
 #include "snell/core/error.h"
 #include "snell/scene/packed.h"
 
@@ -13,7 +14,6 @@
 
 namespace snell {
 
-class Accel;
 class Backend;
 struct BackendJob;
 
@@ -58,29 +58,33 @@ class DeviceLost : public Error
     using Error::Error;
 };
 
-// What a device keeps of a scene between renders: its arrays and trees. Refers to the PackedScene and the Accel that it
-// was made of.
+// What a device keeps of a scene between renders: its arrays and trees. Refers to the PackedScene that it was made of.
 class DeviceScene
 {
   public:
     virtual ~DeviceScene() = default;
 
-    // The job's scene and accel are those that this was made of.
+    // The job's scene is the one that this was made of.
     virtual std::unique_ptr<Backend> make_backend(const BackendJob& job) = 0;
 
-    // Follows the arrays and trees, whatever has changed in them; only what has is copied again. Nobody may render
-    // meanwhile. Throws Error if the device has not enough memory.
-    virtual void update() = 0;
+    // Follows the scene's arrays, whatever has changed in them; only what has is copied again. `changes` says which trees
+    // must follow: they are refitted or built anew on the device, by the AccelOptions. Nobody may render meanwhile.
+    // Throws Error if the device has not enough memory.
+    virtual void update(const PackedChanges& changes) = 0;
 
     virtual std::string title() const = 0; // of the device
     virtual std::size_t bytes() const = 0; // on the device
 
     double upload_seconds = 0;      // of the last making or update()
     std::size_t uploaded_bytes = 0; // the same
+    AccelStats tree_stats;          // of the device's trees
 };
 
-// device: a GPU, as choose_device() names it. The accel must be one of gpu_accels(). Throws Error if
-// the device cannot be used, has not enough memory or fails its self-test.
-std::unique_ptr<DeviceScene> make_device_scene(const std::string& device, const PackedScene& scene, const Accel& accel);
+// device: a GPU, as choose_device() names it. layout: one of gpu_accels(). built: a structure of that layout over the
+// scene, whose trees are copied to the device; null: the device builds its own. Throws Error if the device cannot be
+// used, has not enough memory or fails its self-test.
+std::unique_ptr<DeviceScene> make_device_scene(const std::string& device, const PackedScene& scene,
+                                               const AccelInfo& layout, const AccelOptions& options,
+                                               const Accel* built);
 
 } // namespace snell

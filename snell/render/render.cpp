@@ -1,5 +1,6 @@
 #include "snell/render/render.h"
 
+#include "snell/bvh/deferred.h"
 #include "snell/bvh/options.h"
 #include "snell/core/error.h"
 #include "snell/core/parallel.h"
@@ -54,9 +55,14 @@ void Prepared::build(const Scene& scene)
                                                     : &accels().front();
     if (info == nullptr)
         throw Error(fmt::format("there is no accelerator '{}'", settings.accel), suggestion(settings.accel, accels()));
+    if (on_gpu && !std::ranges::count(gpu_accels(), info->name))
+        throw Error("GPUs trace the structures bvh8q and bvh2 only", "choose one of them by --accel, or leave it out");
     if (scene.cameras.empty()) throw Error("the scene has no camera", "call complete() before rendering it");
     set_thread_count(settings.threads);
     const AccelOptions options = read_accel_options(settings.parameters, settings.accel_options);
+    if (options.build_on_gpu && !on_gpu)
+        throw Error("-D build_on=gpu builds trees on a GPU, and the processor renders",
+                    "add --device gpu, or choose one of the builders that 'snell list' shows");
 
     is_usable_ = false;
     Timer timer;
@@ -70,8 +76,15 @@ void Prepared::build(const Scene& scene)
     if (settings.keep_motion && !settings.image_textures) pack_lights(scene, packed);
     camera = scene.cameras.front();
     pack_seconds = timer.lap();
-    accel = info->make(packed, options);
-    if (on_gpu) device = make_device_scene(settings.device, packed, *accel);
+    if (on_gpu) {
+        auto on_host = std::make_unique<DeferredAccel>(packed, *info, options);
+        const Accel* const built = options.build_on_gpu ? nullptr : &on_host->now();
+        device = make_device_scene(settings.device, packed, *info, options, built);
+        on_host->stats = built != nullptr ? built->stats : device->tree_stats;
+        accel = std::move(on_host);
+    } else {
+        accel = info->make(packed, options);
+    }
     build_seconds = timer.seconds();
     is_usable_ = true;
 }
@@ -105,7 +118,10 @@ void Prepared::update(const Scene& scene, uint bits)
     camera = scene.cameras.front();
     pack_seconds = timer.lap();
     accel->update(changes);
-    if (device) device->update();
+    if (device) {
+        device->update(changes);
+        accel->stats = device->tree_stats;
+    }
     build_seconds = timer.seconds();
     is_usable_ = true;
 }

@@ -14,7 +14,8 @@ GpuList list_gpus()
     return {{}, problem};
 }
 
-std::unique_ptr<DeviceScene> make_device_scene(const std::string&, const PackedScene&, const Accel&)
+std::unique_ptr<DeviceScene> make_device_scene(const std::string&, const PackedScene&, const AccelInfo&,
+                                               const AccelOptions&, const Accel*)
 {
     throw Error(problem);
 }

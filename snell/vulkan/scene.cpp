@@ -106,53 +106,18 @@ static void add_tree(std::vector<DeviceArrays::Item>& items, const WideTree<Node
     items.push_back(item_of(tree.spheres));
 }
 
-template <class Node>
-static GpuTree describe_tree(const DeviceArrays& arrays, std::size_t& item, const WideTree<Node>& tree)
-{
-    GpuTree on_device{};
-    on_device.nodes.address = arrays.address(item++);
-    on_device.lines.address = arrays.address(item++);
-    on_device.spheres.address = arrays.address(item++);
-    on_device.lower = tree.box.lower;
-    on_device.upper = tree.box.upper;
-    on_device.root = tree.root;
-    return on_device;
-}
-
-// Levels of inner nodes: entries of the stack that a ray in the tree can ask for.
-template <class Node>
-static std::uint32_t levels_of(const WideTree<Node>& tree)
-{
-    std::vector<std::uint32_t> level(tree.nodes.size(), 1);
-    std::uint32_t most = 0;
-    for (std::size_t i = 0; i < tree.nodes.size(); ++i) { // children come after their parents
-        most = std::max(most, level[i]);
-        for (const ChildWord child : tree.nodes[i].child)
-            if (child >> 30 == 0) level[child & child_index_mask] = level[i] + 1;
-    }
-    return most;
-}
-
-template <class Node>
-static std::uint32_t levels_of(const WideBvh<Node>& bvh)
-{
-    std::uint32_t below = levels_of(bvh.world);
-    for (const WideTree<Node>& group : bvh.groups) below = std::max(below, levels_of(group));
-    return below + (bvh.has_instances() ? levels_of(bvh.top) + 1 : 0);
-}
-
 static_assert(sizeof(Node2) == 64 && offsetof(Node2, child) == 48 && offsetof(Node2, orders) == 56);
 static_assert(offsetof(QuantisedNode, planes) == 24 && offsetof(QuantisedNode, child) == 72 &&
               offsetof(QuantisedNode, orders) == 104);
 static_assert(sizeof(SphereBlock) == 32 && offsetof(TriangleBlock, id) == 16);
 
-// Calls f with the trees that the accel has, and their number.
+// Calls f with the trees that the accel has.
 template <class F>
 static void visit_trees(const Accel& accel, const F& f)
 {
-    if (const auto* quantised = find_wide_trees<QuantisedNode>(accel)) return f(*quantised, layout_quantised);
-    if (const auto* binary = find_wide_trees<Node2>(accel)) return f(*binary, layout_binary);
-    throw Error("GPUs trace the structures bvh8q and bvh2 only", "choose one of them by --accel, or leave it out");
+    if (const auto* quantised = find_wide_trees<QuantisedNode>(accel)) return f(*quantised);
+    if (const auto* binary = find_wide_trees<Node2>(accel)) return f(*binary);
+    fail_check(__FILE__, __LINE__, "trees that no GPU traces");
 }
 
 static bool has_texture(const Principled& p)
@@ -194,47 +159,161 @@ static std::uint32_t features_of(const PackedScene& scene)
     return features;
 }
 
-VulkanScene::VulkanScene(std::shared_ptr<Gpu> gpu, const PackedScene& scene, const Accel& accel)
-    : gpu_(std::move(gpu)), scene_(scene), accel_(accel), arrays_(gpu_), groups_(gpu_)
-{
-    update();
-}
-
-void VulkanScene::update()
+VulkanScene::VulkanScene(std::shared_ptr<Gpu> gpu, const PackedScene& scene, const AccelInfo& layout,
+                         const AccelOptions& options, const Accel* built)
+    : gpu_(std::move(gpu)), scene_(scene), options_(options),
+      layout_(layout.name == "bvh2" ? layout_binary : layout_quantised),
+      triangle_test_(options.triangle_test == TriangleTest::watertight ? test_watertight : test_moller_trumbore),
+      arrays_(gpu_), host_trees_(gpu_), groups_(gpu_), builder_(gpu_, layout_)
 {
     const Timer timer;
-    visit_trees(accel_, [&](const auto& input, std::uint32_t layout) {
+    upload_arrays();
+    trees_.resize(scene_.groups.size() + 1);
+    if (built != nullptr) {
+        copy_trees(*built);
+    } else {
+        for (std::size_t i = 0; i < trees_.size(); ++i) builder_.build(trees_[i], input_for(i));
+        upload_groups();
+        build_top();
+    }
+    settle();
+    tree_stats.build_seconds = upload_seconds = timer.seconds();
+}
+
+void VulkanScene::update(const PackedChanges& changes)
+{
+    const Timer timer;
+    upload_arrays();
+    upload_seconds = timer.seconds();
+    tree_stats.refitted = tree_stats.rebuilt = 0;
+    if (changes.any()) {
+        follow_trees(changes);
+        upload_groups();
+        build_top();
+    }
+    settle();
+    tree_stats.build_seconds = timer.seconds();
+}
+
+void VulkanScene::upload_arrays()
+{
+    view_ = scene_.view();
+    std::vector<DeviceArrays::Item> items;
+    for_each_array(scene_, view_, [&](const auto& array, const auto&) { items.push_back(item_of(array)); });
+    uploaded_bytes = arrays_.follow(items);
+    std::size_t item = 0;
+    for_each_array(scene_, view_, [&](const auto&, auto& array) {
+        const VkDeviceAddress address = arrays_.address(item++);
+        std::memcpy(&array.at, &address, sizeof(address)); // no pointer of the host's
+    });
+    features_ = features_of(scene_);
+}
+
+void VulkanScene::copy_trees(const Accel& built)
+{
+    visit_trees(built, [&](const auto& input) {
         const auto& bvh = *input.bvh;
-        view_ = scene_.view();
         std::vector<DeviceArrays::Item> items;
-        for_each_array(scene_, view_, [&](const auto& array, const auto&) { items.push_back(item_of(array)); });
+        for (const auto& group : bvh.groups) add_tree(items, group);
         add_tree(items, bvh.world);
         add_tree(items, bvh.top);
-        for (const auto& group : bvh.groups) add_tree(items, group);
-        uploaded_bytes = arrays_.follow(items);
-
+        uploaded_bytes += host_trees_.follow(items);
         std::size_t item = 0;
-        for_each_array(scene_, view_, [&](const auto&, auto& array) {
-            const VkDeviceAddress address = arrays_.address(item++);
-            std::memcpy(&array.at, &address, sizeof(address)); // no pointer of the host's
-        });
-        world_ = describe_tree(arrays_, item, bvh.world);
-        first_ = describe_tree(arrays_, item, bvh.top);
-        if (!bvh.has_instances()) first_ = world_;
-        std::vector<GpuTree> groups;
-        for (const auto& group : bvh.groups) groups.push_back(describe_tree(arrays_, item, group));
-        uploaded_bytes += groups_.follow({item_of(groups)});
-
-        layout_ = layout;
-        features_ = features_of(scene_);
-        triangle_test_ = input.triangle_test == TriangleTest::watertight ? test_watertight : test_moller_trumbore;
-        const std::uint32_t levels = levels_of(bvh);
-        if (levels > 4096)
-            throw Error(fmt::format("the acceleration structure has {} levels: too many for a GPU", levels),
-                        "try -D builder=binned, or --device cpu");
-        stack_size_ = std::bit_ceil(std::max(levels, 32u)); // few sizes, few kernels
+        const auto describe = [&](const auto& tree) {
+            DeviceTree described = describe_host_tree(tree);
+            GpuTree& on_device = described.on_device;
+            for (WordBuffer* part : {&on_device.nodes, &on_device.lines, &on_device.spheres})
+                part->address = host_trees_.address(item++);
+            return described;
+        };
+        for (std::size_t i = 0; i < bvh.groups.size(); ++i) trees_[i] = describe(bvh.groups[i]);
+        world() = describe(bvh.world);
+        top_ = describe(bvh.top);
     });
-    upload_seconds = timer.seconds();
+    upload_groups();
+}
+
+TreeBuilder::Input VulkanScene::input_for(std::size_t tree) const
+{
+    TreeBuilder::Input input;
+    input.scene = view_;
+    input.group = tree < scene_.groups.size() ? scene_.groups[tree] : scene_.world;
+    return input;
+}
+
+// What has changed its shape is refitted or built anew, by the options; see AccelOptions.
+void VulkanScene::follow_trees(const PackedChanges& changes)
+{
+    std::vector<std::size_t> changed(changes.groups.begin(), changes.groups.end());
+    if (changes.world) changed.push_back(scene_.groups.size());
+    std::vector<DeviceTree*> trees;
+    std::vector<TreeBuilder::Input> inputs;
+    const auto can_follow = [&](const DeviceTree& tree) {
+        // What was not finite when the tree was built has no place in it.
+        return options_.update != UpdatePolicy::rebuild && tree.on_device.root != word_done && tree.left_out == 0;
+    };
+    for (const std::size_t i : changed) {
+        if (!can_follow(trees_[i])) continue;
+        trees.push_back(&trees_[i]);
+        inputs.push_back(input_for(i));
+    }
+    builder_.refit(trees, inputs);
+    for (const std::size_t i : changed) {
+        DeviceTree& tree = trees_[i];
+        const bool is_good =
+            can_follow(tree) && !is_empty({tree.on_device.lower, tree.on_device.upper}) &&
+            (options_.update == UpdatePolicy::refit || tree.sah_cost <= options_.rebuild_factor * tree.built_cost);
+        if (!is_good) builder_.build(tree, input_for(i));
+        ++(is_good ? tree_stats.refitted : tree_stats.rebuilt);
+    }
+}
+
+void VulkanScene::upload_groups()
+{
+    std::vector<GpuTree> groups;
+    for (std::size_t i = 0; i < scene_.groups.size(); ++i) groups.push_back(trees_[i].on_device);
+    uploaded_bytes += groups_.follow({item_of(groups)});
+}
+
+void VulkanScene::build_top()
+{
+    TreeBuilder::Input input;
+    input.scene = view_;
+    input.instance_count = static_cast<uint>(scene_.instances.size());
+    if (input.instance_count == 0) return;
+    input.groups = groups_.address(0);
+    if (world().on_device.root != word_done) input.world = &world().on_device;
+    for (std::size_t i = 0; i < scene_.groups.size(); ++i) input.cost_below += trees_[i].sah_cost;
+    input.cost_below /= static_cast<double>(scene_.groups.size());
+    builder_.build(top_, input);
+}
+
+// What follows from the trees.
+void VulkanScene::settle()
+{
+    uint below = 0;
+    tree_stats.nodes = top_.nodes;
+    tree_stats.leaves = top_.leaves;
+    for (const DeviceTree& tree : trees_) {
+        below = std::max(below, tree.levels);
+        tree_stats.nodes += tree.nodes;
+        tree_stats.leaves += tree.leaves;
+    }
+    tree_stats.sah_cost = (has_instances() ? top_ : world()).sah_cost;
+    tree_stats.bytes = bytes() - arrays_.bytes();
+    // Entries of the stack that a ray can ask for: one for each level of inner nodes.
+    const uint levels = below + (has_instances() ? top_.levels + 1 : 0);
+    if (levels > 4096)
+        throw Error(fmt::format("the acceleration structure has {} levels: too many for a GPU", levels),
+                    "try -D builder=binned, or --device cpu");
+    stack_size_ = std::bit_ceil(std::max(levels, 32u)); // few sizes, few kernels
+}
+
+std::size_t VulkanScene::bytes() const
+{
+    std::size_t sum = arrays_.bytes() + host_trees_.bytes() + groups_.bytes() + top_.bytes();
+    for (const DeviceTree& tree : trees_) sum += tree.bytes();
+    return sum;
 }
 
 std::vector<std::uint32_t> VulkanScene::trace_constants(bool counts_steps) const
@@ -246,8 +325,8 @@ void VulkanScene::describe(GpuJob& job) const
 {
     job.scene = view_;
     job.groups.address = groups_.address(0);
-    job.world = world_;
-    job.first = first_;
+    job.world = world().on_device;
+    job.first = (has_instances() ? top_ : world()).on_device;
 }
 
 VulkanScene::~VulkanScene() = default;
@@ -273,9 +352,10 @@ void VulkanScene::give_queues(std::unique_ptr<Queues> queues)
     free_queues_.push_back(std::move(queues));
 }
 
-std::unique_ptr<DeviceScene> make_device_scene(const std::string& device, const PackedScene& scene, const Accel& accel)
+std::unique_ptr<DeviceScene> make_device_scene(const std::string& device, const PackedScene& scene,
+                                               const AccelInfo& layout, const AccelOptions& options, const Accel* built)
 {
-    return std::make_unique<VulkanScene>(Gpu::open(device), scene, accel);
+    return std::make_unique<VulkanScene>(Gpu::open(device), scene, layout, options, built);
 }
 
 } // namespace snell

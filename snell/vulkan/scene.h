@@ -1,7 +1,9 @@
 // A scene on a Vulkan device.
 #pragma once
 
+#include "snell/bvh/accel.h"
 #include "snell/core/hash.h"
+#include "snell/vulkan/device_tree.h"
 #include "snell/vulkan/gpu.h"
 #include "snell/vulkan/shaders/job.h"
 
@@ -48,13 +50,15 @@ struct QueueKinds;
 class VulkanScene final : public DeviceScene
 {
   public:
-    VulkanScene(std::shared_ptr<Gpu> gpu, const PackedScene& scene, const Accel& accel);
+    // See make_device_scene().
+    VulkanScene(std::shared_ptr<Gpu> gpu, const PackedScene& scene, const AccelInfo& layout,
+                const AccelOptions& options, const Accel* built);
     ~VulkanScene() override;
 
     std::unique_ptr<Backend> make_backend(const BackendJob& job) override;
-    void update() override;
+    void update(const PackedChanges& changes) override;
     std::string title() const override { return gpu_->info().info.title; }
-    std::size_t bytes() const override { return arrays_.bytes() + groups_.bytes(); }
+    std::size_t bytes() const override;
 
     const std::shared_ptr<Gpu>& gpu() const { return gpu_; }
     // The constants of the kernels that trace rays: snell/vulkan/shaders/trace.glsl.
@@ -71,11 +75,26 @@ class VulkanScene final : public DeviceScene
   private:
     const std::shared_ptr<Gpu> gpu_;
     const PackedScene& scene_;
-    const Accel& accel_;
-    DeviceArrays arrays_, groups_; // groups_: of GpuTree
-    SceneView view_{};             // with addresses of the device
-    GpuTree world_{}, first_{};
-    std::uint32_t features_ = 0, layout_ = 0, triangle_test_ = 0, stack_size_ = 0;
+    const AccelOptions options_;
+    const std::uint32_t layout_, triangle_test_;
+    DeviceArrays arrays_, host_trees_, groups_; // host_trees_: built by the host; groups_: of GpuTree
+    TreeBuilder builder_;
+    SceneView view_{};              // with addresses of the device
+    std::vector<DeviceTree> trees_; // of the groups, and last the world's
+    DeviceTree top_;                // over the instances
+    std::uint32_t features_ = 0, stack_size_ = 0;
+
+    DeviceTree& world() { return trees_.back(); }
+    const DeviceTree& world() const { return trees_.back(); }
+    bool has_instances() const { return top_.on_device.root != word_done; }
+    void upload_arrays();
+    void copy_trees(const Accel& built);
+    TreeBuilder::Input input_for(std::size_t tree) const;
+    void follow_trees(const PackedChanges& changes);
+    void upload_groups();
+    void build_top();
+    void settle();
+
     std::mutex queues_mutex_;
     std::vector<std::unique_ptr<Queues>> free_queues_;
 };

@@ -67,8 +67,9 @@ void test_gpu(std::shared_ptr<Gpu> gpu)
     const std::vector<KnownRay> known = known_rays();
     std::vector<Ray> rays;
     for (const KnownRay& k : known) rays.push_back(k.ray);
-    const std::unique_ptr<Accel> accel = find_accel("bvh8q")->make(scene, {});
-    VulkanScene on_device(gpu, scene, *accel);
+    const AccelInfo& layout = *find_accel("bvh8q");
+    const std::unique_ptr<Accel> accel = layout.make(scene, {});
+    VulkanScene on_device(gpu, scene, layout, {}, accel.get());
     RayBatch batch(on_device, rays);
     batch.intersect();
     const std::vector<Hit> hits = batch.hits();

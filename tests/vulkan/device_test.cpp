@@ -124,7 +124,7 @@ class FailingDevice final : public DeviceScene
         backend->works_for = works_for_;
         return backend;
     }
-    void update() override {}
+    void update(const PackedChanges&) override {}
     std::string title() const override { return "failing"; }
     std::size_t bytes() const override { return 0; }
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "snell/bvh/wide.h"
+#include "snell/kernel/bounds.h"
 #include "snell/kernel/intersect.h"
 
 #include <cfloat>
@@ -76,13 +77,5 @@ constexpr LaneLists list_lanes()
 inline constexpr LaneLists lane_lists = list_lanes();
 
 inline constexpr int next_axis[3] = {1, 2, 0};
-
-// The largest float below x, which is not NaN or -infinity.
-inline float float_before(float x)
-{
-    const uint bits = floatBitsToUint(x);
-    if (x > 0.0f) return uintBitsToFloat(bits - 1);
-    return x < 0.0f ? uintBitsToFloat(bits + 1) : uintBitsToFloat(0x80000001u);
-}
 
 } // namespace snell

@@ -1,6 +1,7 @@
 // Rays through the two levels of trees, with a short stack: each level of a tree takes one entry, a node with the
 // children that are still to be visited (after Ylitie, Karras, Laine 2017, Efficient Incoherent Ray Traversal on GPUs
 // Through Compressed Wide BVHs). The trees are those of snell/bvh/, byte for byte.
+#include "snell/kernel/bounds.h"
 #include "snell/kernel/coverage.h"
 #include "snell/kernel/features.h"
 #include "snell/kernel/intersect.h"
@@ -247,14 +248,6 @@ bool visit_planes(SceneView scene, Ray ray, uint query, Hit after, inout Hit hit
         if (r.ok && take(query, after, r.t, 0.0f, 0.0f, pack_primitive(kind_plane, i), none, hit)) found = true;
     }
     return found;
-}
-
-// The largest float below x, which is not NaN or -infinity.
-float float_before(float x)
-{
-    uint bits = floatBitsToUint(x);
-    if (x > 0.0f) return uintBitsToFloat(bits - 1u);
-    return x < 0.0f ? uintBitsToFloat(bits + 1u) : uintBitsToFloat(0x80000001u);
 }
 
 // The nearest hit of the ray; for query_any some hit; for query_next the nearest behind `after`. A miss: as miss().

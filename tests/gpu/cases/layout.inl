@@ -1,6 +1,7 @@
 // Byte for byte the same structs: every member of an element of an array in memory, where each word is another number.
 // Here `scene` is pattern_scene(); RAW(Array) are 65536 such words seen as an array.
 #ifndef TWIN_CASES
+#include "snell/kernel/bounds.h"
 #include "snell/kernel/lens_system.h"
 #include "snell/kernel/scene_view.h"
 #include "tests/gpu/draw.h"
@@ -14,6 +15,7 @@ SNELL_ARRAY(TwinLenses, LensSystem)
 SNELL_ARRAY(TwinParams, RenderParams)
 SNELL_ARRAY(TwinStates, PathState)
 SNELL_ARRAY(TwinConnections, Connection)
+SNELL_ARRAY(TwinBoxes, Aabb)
 SNELL_END
 #else
 
@@ -241,6 +243,12 @@ TWIN(layout_params, 0.0f, 0.0f, 0.0f)
     give(p.flags);
     give(p.distance);
     give(p.max_steps);
+}
+TWIN(layout_aabb, 0.0f, 0.0f, 0.0f)
+{
+    uint i = index_below(10000u);
+    give(RAW(TwinBoxes).at[i].lower);
+    give(RAW(TwinBoxes).at[i].upper);
 }
 TWIN(layout_path, 0.0f, 0.0f, 0.0f)
 {
