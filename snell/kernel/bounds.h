@@ -50,12 +50,18 @@ SNELL_FN float float_after(float x)
     return -float_before(-x);
 }
 
-// The box of a triangle; empty if a vertex is not finite. Here and below, adding 0 turns -0 into +0: min and max of the
-// two depend on the order, and trees must not.
+// -0 becomes +0: min and max of the two depend on the order, and trees must not. (Adding 0 does that too, but not where
+// a driver leaves such additions out.)
+SNELL_FN vec3 plain_zero(vec3 v)
+{
+    return vec3(v.x == 0.0f ? 0.0f : v.x, v.y == 0.0f ? 0.0f : v.y, v.z == 0.0f ? 0.0f : v.z);
+}
+
+// The box of a triangle; empty if a vertex is not finite.
 SNELL_FN Aabb triangle_bounds(vec3 a, vec3 b, vec3 c)
 {
     if (!is_finite3(a) || !is_finite3(b) || !is_finite3(c)) return empty_aabb();
-    Aabb box = {min(a, min(b, c)) + 0.0f, max(a, max(b, c)) + 0.0f};
+    Aabb box = {plain_zero(min(a, min(b, c))), plain_zero(max(a, max(b, c)))};
     return box;
 }
 
@@ -66,8 +72,8 @@ SNELL_FN Aabb sphere_bounds(vec3 center, float radius)
     vec3 low = center - r;
     vec3 high = center + r;
     if (!is_finite3(low) || !is_finite3(high)) return empty_aabb();
-    Aabb box = {vec3(float_before(low.x), float_before(low.y), float_before(low.z)) + 0.0f,
-                vec3(float_after(high.x), float_after(high.y), float_after(high.z)) + 0.0f};
+    Aabb box = {plain_zero(vec3(float_before(low.x), float_before(low.y), float_before(low.z))),
+                plain_zero(vec3(float_after(high.x), float_after(high.y), float_after(high.z)))};
     if (!is_finite3(box.lower) || !is_finite3(box.upper)) return empty_aabb();
     return box;
 }
@@ -91,8 +97,8 @@ SNELL_FN Aabb instance_bounds(Transform to_world, Aabb group)
         reach = max(reach, max3(abs(q)));
     }
     vec3 slack = vec3(reach * 9.5367431640625e-7f); // 2^-20
-    box.lower = box.lower - slack + 0.0f;
-    box.upper = box.upper + slack + 0.0f;
+    box.lower = plain_zero(box.lower - slack);
+    box.upper = plain_zero(box.upper + slack);
     if (!is_finite3(box.lower) || !is_finite3(box.upper)) return empty_aabb();
     return box;
 }

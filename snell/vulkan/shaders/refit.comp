@@ -59,8 +59,8 @@ Aabb refill_block(uint at, uint capacity)
         for (int axis = 0; axis < 3; ++axis)
             job.out_lines.at[at + 12u + capacity * uint(axis) + i] = seen ? floatBitsToUint(p[axis]) : 0x7fc00000u;
     }
-    box.lower += 0.0f; // no -0: see bounds.h
-    box.upper += 0.0f;
+    box.lower = plain_zero(box.lower);
+    box.upper = plain_zero(box.upper);
     return box;
 }
 

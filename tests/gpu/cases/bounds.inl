@@ -33,6 +33,9 @@ TWIN(primitive_bounds, 0.0f, 0.0f, 0.0f)
     float radius = magnitude(1e-3f, 1e3f);
     uint broken = index_below(8u);
     if (broken == 0u) b.y = infinity();
+    uint flat_one = index_below(4u);
+    if (flat_one == 0u) a.x = -0.0f;
+    give(plain_zero(a));
     give_aabb(triangle_bounds(a, b, c));
     give_aabb(sphere_bounds(a, radius));
     give_aabb(sphere_bounds(b, radius));
