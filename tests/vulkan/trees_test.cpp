@@ -4,6 +4,8 @@
 #include "snell/bvh/wide_accel.h"
 #include "snell/vulkan/trace_rays.h"
 #include "tests/bvh/scenes.h"
+#include "tests/render/scenes.h"
+#include "tests/scene/moving_scene.h"
 #include "tests/vulkan/gpu_test.h"
 
 #include <cstring>
@@ -331,6 +333,59 @@ TEST(GpuTrees, AreAboutAsGoodAsTheHostsOfTheSameKind)
         std::printf("cost on the device %.1f, on the host %.1f\n", on_device, on_host);
         EXPECT_LT(on_device, 1.6 * on_host);
         EXPECT_GT(on_device, 0.7 * on_host); // or it is not reckoned right
+    }
+}
+
+// Whoever builds, refits and rebuilds: pictures are those of a scene that was prepared as it is then.
+TEST(GpuTrees, PicturesFollowAScene)
+{
+    SNELL_NEEDS_GPU();
+    for (const char* build_on : {"cpu", "gpu"})
+        for (const char* update : {"refit", "rebuild"}) {
+            SCOPED_TRACE(fmt::format("built on the {}, {}", build_on, update));
+            RenderSettings settings;
+            settings.width = 56;
+            settings.height = 40;
+            settings.spp = 1;
+            settings.device = test_device();
+            settings.keep_motion = true;
+            settings.parameters["build_on"] = build_on;
+            settings.parameters["update"] = update;
+            Scene scene = moving_scene();
+            const auto prepared = prepare(scene, settings);
+            for (const float time : {0.3f, 0.9f}) {
+                pose(scene, first_animation, time);
+                prepared->update(scene, change_pose);
+                EXPECT_TRUE(prepared->updated);
+                const AccelStats& stats = prepared->accel->stats;
+                EXPECT_GE(std::string_view(update) == "refit" ? stats.refitted : stats.rebuilt, 1u);
+                EXPECT_EQ(std::string_view(update) == "refit" ? stats.rebuilt : stats.refitted, 0u);
+                EXPECT_LT(prepared->device->uploaded_bytes, prepared->device->bytes());
+                const Film followed = render(*prepared, settings).film;
+                RenderSettings fresh = settings;
+                fresh.parameters.clear();
+                EXPECT_TRUE(same_bits(followed.sum, render(scene, fresh).film.sum));
+
+                // The host's own structure follows when it is asked.
+                Random random(1);
+                const std::vector<Ray> rays = random_rays(random, 500, 3.0f);
+                std::vector<Hit> hits(rays.size()), expected(rays.size());
+                prepared->accel->intersect(rays, hits);
+                find_accel("brute")->make(prepared->packed, {})->intersect(rays, expected);
+                EXPECT_EQ(std::memcmp(hits.data(), expected.data(), hits.size() * sizeof(Hit)), 0);
+            }
+        }
+}
+
+TEST(GpuTrees, AreBuiltOnTheProcessorWhereThatRenders)
+{
+    RenderSettings settings;
+    settings.parameters["build_on"] = "gpu";
+    try {
+        prepare(mixed_scene(), settings);
+        ADD_FAILURE() << "nobody has said that there is no GPU";
+    } catch (const Error& error) {
+        EXPECT_NE(std::string(error.what()).find("--device gpu"), std::string::npos) << error.what();
     }
 }
 
