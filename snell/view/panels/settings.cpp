@@ -106,6 +106,7 @@ class Settings : public Panel
     {
         settings.device = device;
         const auto traced = gpu_accels();
+        if (device == "cpu") settings.parameters.erase("build_on");
         if (device != "cpu" && std::find(traced.begin(), traced.end(), settings.accel) == traced.end())
             settings.accel.clear();
     }
@@ -178,12 +179,22 @@ class Settings : public Panel
         const auto found = settings.parameters.find("builder");
         std::string builder = found != settings.parameters.end() ? found->second : "automatic";
         names.insert(names.begin(), "automatic"), summaries.insert(summaries.begin(), "as it suits the scene");
-        if (choose("Builder", builder, names, "The algorithm that builds the tree (BVH)", summaries)) {
-            if (builder == "automatic")
-                settings.parameters.erase("builder");
-            else
-                settings.parameters["builder"] = builder;
+        if (settings.device != "cpu") {
+            names.emplace_back("gpu"), summaries.emplace_back("ploc on the GPU: built fastest, not the best");
+            if (settings.parameters.contains("build_on")) builder = "gpu";
         }
+        if (choose("Builder", builder, names, "The algorithm that builds the tree (BVH)", summaries))
+            use_builder(settings, builder);
+    }
+
+    static void use_builder(RenderSettings& settings, const std::string& builder)
+    {
+        settings.parameters.erase("builder");
+        settings.parameters.erase("build_on");
+        if (builder == "gpu")
+            settings.parameters["build_on"] = "gpu";
+        else if (builder != "automatic")
+            settings.parameters["builder"] = builder;
     }
 
     static void draw_governor(ViewState& state)
@@ -259,8 +270,10 @@ bool Settings::set_of(RenderSettings& settings, const std::string& name, const s
         check_known("structure", value, accels());
         settings.accel = value;
     } else if (name == "builder") {
-        check_known(name, value, builders());
-        settings.parameters["builder"] = value;
+        if (value == "gpu" && settings.device == "cpu")
+            throw Error("the builder 'gpu' needs a GPU that renders", "set device gpu first");
+        if (value != "gpu") check_known(name, value, builders());
+        use_builder(settings, value);
     } else if (name == "spp") {
         settings.spp = parse_count(name, value, 1, 1u << 30);
     } else if (name == "seed") {

@@ -155,12 +155,16 @@ uint order_of(Space s, uint node)
     return s.node_words.at[node * 16u + 14u + (s.octant >> 2)] >> (8u * (s.octant & 3u)) & 3u;
 }
 
+// Slots as they come: the last one first, which is where any hit is likeliest to be found for its cost (see wide.h of
+// snell/bvh/).
+uint order_for_any() { return tree_layout == layout_quantised ? 0xfac688u : 2u; }
+
 // What a visit of a node leaves to be done.
-uint visit_node(Space s, uint node, float best)
+uint visit_node(Space s, uint node, uint query, float best)
 {
     uint met = tree_layout == layout_quantised ? meet_quantised(s, node, best) : meet_binary(s, node, best);
     if (met == 0u) return 0u;
-    uint order = order_of(s, node);
+    uint order = query == query_any ? order_for_any() : order_of(s, node);
     uint waiting = 0u;
     for (uint i = 0u; i < node_width(); ++i) waiting |= (met >> (order >> (slot_bits() * i) & (node_width() - 1u)) & 1u) << i;
     return waiting << 24 | order;
@@ -272,7 +276,7 @@ Hit trace(SceneView scene, Ray whole, uint query, Hit after, inout uint steps)
         uint index = word & child_index_mask;
         if (kind == kind_node) {
             if (counts_steps != 0u) steps += 1u;
-            uint waiting = visit_node(s, index, hit.t);
+            uint waiting = visit_node(s, index, query, hit.t);
             if (waiting >> 24 != 0u) {
                 if (open.y >> 24 != 0u) stack[top++] = open;
                 open = uvec2(index, waiting);
