@@ -12,8 +12,13 @@
 
 #define SNELL_BEGIN namespace snell {
 #define SNELL_END }
-// A kernel function; forced inline, because the stage loops are made of them.
+// A kernel function; forced inline, because the stage loops are made of them. Not under sanitizers: with their checks
+// inside, such loops take more than half a minute to compile.
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+#define SNELL_FN inline
+#else
 #define SNELL_FN [[gnu::always_inline]] inline
+#endif
 // For the few that are big and seldom called from the middle of a loop.
 #define SNELL_FN_COLD inline
 // A parameter that is read only; a reference where the language has them.
