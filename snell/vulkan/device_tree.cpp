@@ -231,11 +231,11 @@ void TreeBuilder::record_sort(const BuildPush& job, std::size_t count)
     static_assert((key_bits + digit_bits - 1) / digit_bits % 2 == 0); // sorted keys are where they began
     for (push.round = 0; push.round * digit_bits < key_bits; ++push.round) {
         push.count = static_cast<uint>(blocks);
-        dispatch("sort_count", push, blocks * group_size);
+        dispatch("radix_count", push, blocks * group_size);
         push.count = static_cast<uint>(blocks * digit_count);
         dispatch("scan_words", push, 1);
         push.count = static_cast<uint>(blocks);
-        dispatch("sort_place", push, blocks * group_size);
+        dispatch("radix_place", push, blocks * group_size);
     }
 }
 
