@@ -30,6 +30,7 @@ constexpr double film_interval = 1.0;
 static QueueKinds kinds_of(const BackendJob& job)
 {
     QueueKinds kinds;
+    kinds.sorts = read_gpu_options(job.settings.parameters).sorts_by_material;
     kinds.steps = job.integrator.view == view_steps;
     kinds.branches = job.integrator.name == "whitted";
     kinds.first_hits = job.settings.layers;
@@ -69,7 +70,8 @@ VulkanBackend::Flight::Flight(Gpu& gpu, std::unique_ptr<Queues> owned)
 }
 
 VulkanBackend::VulkanBackend(VulkanScene& scene, const BackendJob& job)
-    : scene_(scene), job_(job), lens_(scene.gpu()), film_commands_(*scene.gpu())
+    : scene_(scene), job_(job), options_(read_gpu_options(job.settings.parameters)), lens_(scene.gpu()),
+      film_commands_(*scene.gpu())
 {
     if (job.integrator.radiance)
         throw Error(
@@ -379,6 +381,24 @@ void VulkanBackend::dispatch_indirect(Flight& f, GpuKernel kernel, const GpuPush
     f.commands.barrier();
 }
 
+// Workgroups that fetch rays: as many as the widest devices run at a time, and for a processor a few for each thread.
+constexpr std::size_t fetching_groups = 4096, fetching_groups_on_processor = 64;
+
+GpuKernel VulkanBackend::trace_kernel(const char* name, bool counts_steps) const
+{
+    std::vector<std::uint32_t> constants = scene_.trace_constants(counts_steps);
+    if (options_.takes_blocks) constants.push_back(1);
+    return scene_.gpu()->kernel(name, constants);
+}
+
+// counters_offset: where the number of workgroups stands that there are rays for.
+void VulkanBackend::dispatch_trace(Flight& f, GpuKernel kernel, const GpuPush& push, std::size_t counters_offset)
+{
+    if (!options_.takes_blocks) return dispatch_indirect(f, kernel, push, counters_offset);
+    const std::size_t groups = scene_.gpu()->is_processor() ? fetching_groups_on_processor : fetching_groups;
+    dispatch(f, kernel, push, groups * group_size);
+}
+
 void VulkanBackend::copy_counters(Flight& f)
 {
     const VkBufferCopy copy{0, 0, sizeof(GpuCounters)};
@@ -413,10 +433,10 @@ VulkanBackend::Waves VulkanBackend::waves() const
 {
     const IntegratorInfo& integrator = job_.integrator;
     if (integrator.name == "path" || integrator.name == "furnace")
-        return {"shade_path", 0, std::uint64_t{job_.params.max_depth} + 1};
-    if (integrator.name == "ao") return {"shade_ambient", 0, 1};
+        return {"shade_path", 0, std::uint64_t{job_.params.max_depth} + 1, true};
+    if (integrator.name == "ao") return {"shade_ambient", 0, 1, false};
     SNELL_CHECK_LT(integrator.view, view_count);
-    return {"shade_view", integrator.view, 1};
+    return {"shade_view", integrator.view, 1, false};
 }
 
 // The next few waves of paths that have at most one continuation and one connection at each vertex.
@@ -424,9 +444,12 @@ void VulkanBackend::record_waves(Flight& f)
 {
     Gpu& gpu = *scene_.gpu();
     const Waves all = waves();
-    const GpuKernel extend = gpu.kernel("extend", scene_.trace_constants(job_.integrator.view == view_steps));
-    const GpuKernel connect = gpu.kernel("connect", scene_.trace_constants(false));
-    const GpuKernel shade = gpu.kernel(all.shade, scene_.shade_constants()), arrange = gpu.kernel("arrange");
+    const GpuKernel extend = trace_kernel("extend", job_.integrator.view == view_steps);
+    const GpuKernel connect = trace_kernel("connect", false), arrange = gpu.kernel("arrange");
+    const bool sorts = options_.sorts_by_material && all.can_be_sorted;
+    std::vector<std::uint32_t> constants = scene_.shade_constants();
+    if (sorts) constants.push_back(1);
+    const GpuKernel shade = gpu.kernel(all.shade, constants);
     f.waves_now = static_cast<uint>(std::min<std::uint64_t>(waves_at_once, all.most - f.waves));
     set_counters(f, f.alive);
     f.commands.stamp(2);
@@ -437,14 +460,19 @@ void VulkanBackend::record_waves(Flight& f)
         push.queue = wave & 1u;
         push.wave = wave;
         push.from_camera = f.waves + wave == 0 ? 1 : 0;
-        dispatch_indirect(f, extend, push, offsetof(GpuCounters, path_groups) + 12 * wave);
+        const std::size_t groups = offsetof(GpuCounters, path_groups) + 12 * wave;
+        dispatch_trace(f, extend, push, groups);
         f.commands.stamp(4 + 3 * wave);
+        if (sorts) {
+            dispatch_indirect(f, gpu.kernel("sort_count"), push, groups);
+            dispatch_indirect(f, gpu.kernel("sort_place"), push, groups);
+        }
         push.which = all.which;
-        dispatch_indirect(f, shade, push, offsetof(GpuCounters, path_groups) + 12 * wave);
+        dispatch_indirect(f, shade, push, groups);
         dispatch(f, arrange, push, 1);
         f.commands.stamp(5 + 3 * wave);
         push.which = 0; // connections add to the slots
-        dispatch_indirect(f, connect, push, offsetof(GpuCounters, connection_groups) + 12 * wave);
+        dispatch_trace(f, connect, push, offsetof(GpuCounters, connection_groups) + 12 * wave);
         f.commands.stamp(6 + 3 * wave);
     }
     copy_counters(f);
@@ -467,8 +495,7 @@ void VulkanBackend::count_waves(Flight& f)
 void VulkanBackend::record_first_hits(Flight& f)
 {
     Gpu& gpu = *scene_.gpu();
-    const GpuKernel counted = gpu.kernel("extend", scene_.trace_constants(true));
-    const GpuKernel extend = gpu.kernel("extend", scene_.trace_constants(false));
+    const GpuKernel counted = trace_kernel("extend", true), extend = trace_kernel("extend", false);
     const GpuKernel record = gpu.kernel("record_hits", scene_.shade_constants()), arrange = gpu.kernel("arrange");
     set_counters(f, f.alive);
     if (f.waves == 0) generate(f, f.recorded);
@@ -479,7 +506,7 @@ void VulkanBackend::record_first_hits(Flight& f)
         push.which = static_cast<uint>(f.waves) + wave;
         push.from_camera = push.which == 0 ? 1 : 0;
         const std::size_t groups = offsetof(GpuCounters, path_groups) + 12 * wave;
-        dispatch_indirect(f, push.which == 0 ? counted : extend, push, groups);
+        dispatch_trace(f, push.which == 0 ? counted : extend, push, groups);
         dispatch_indirect(f, record, push, groups);
         dispatch(f, arrange, push, 1);
     }

@@ -5,6 +5,7 @@
 
 #include "snell/core/timer.h"
 #include "snell/render/backend.h"
+#include "snell/render/gpu_options.h"
 #include "snell/vulkan/queues.h"
 
 #include <deque>
@@ -22,7 +23,9 @@ class VulkanBackend final : public Backend
                         const std::function<bool()>& keep_going) override;
     RenderStats stats() const override { return stats_; }
 
+    // For tests.
     const DeviceFilm& film() const { return *film_; }
+    std::size_t handed_over() const { return under_way_.size(); } // and not waited for
 
   private:
     // Samples [first_sample, + samples) of pixels [first_pixel, + pixels), counted in the rows of the region.
@@ -84,6 +87,7 @@ class VulkanBackend final : public Backend
         const char* shade;
         uint which;
         std::uint64_t most;
+        bool can_be_sorted;
     };
     Waves waves() const;
 
@@ -112,12 +116,15 @@ class VulkanBackend final : public Backend
     void set_counters(Flight& f, std::size_t paths);
     void copy_counters(Flight& f);
     void dispatch(Flight& f, GpuKernel kernel, const GpuPush& push, std::size_t items);
+    GpuKernel trace_kernel(const char* name, bool counts_steps) const;
+    void dispatch_trace(Flight& f, GpuKernel kernel, const GpuPush& push, std::size_t counters_offset);
     void dispatch_indirect(Flight& f, GpuKernel kernel, const GpuPush& push, std::size_t counters_offset);
     GpuPush parameters(const Flight& f) const;
     GpuPush batch_parameters(const Flight& f, uint samples) const;
 
     VulkanScene& scene_;
     const BackendJob job_;
+    const GpuOptions options_;
     DeviceArrays lens_; // the table of a traced lens
     std::size_t capacity_ = 0;
     GpuJob on_device_{};

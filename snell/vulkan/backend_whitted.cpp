@@ -40,7 +40,7 @@ std::size_t VulkanBackend::light_rounds(Flight& f, Call& call, GpuPush push, std
 {
     Gpu& gpu = *scene_.gpu();
     const GpuKernel light = gpu.kernel("light_whitted", scene_.shade_constants()), arrange = gpu.kernel("arrange");
-    const GpuKernel connect = gpu.kernel("connect", scene_.trace_constants(false));
+    const GpuKernel connect = trace_kernel("connect", false);
     std::size_t rays = 0;
     for (uint done = 0; done < rounds;) {
         const uint now = std::min(rounds - done, waves_at_once);
@@ -53,7 +53,7 @@ std::size_t VulkanBackend::light_rounds(Flight& f, Call& call, GpuPush push, std
             dispatch(f, light, push, count);
             dispatch(f, arrange, push, 1);
             push.which = 1; // connections add to the paths' own slots
-            dispatch_indirect(f, connect, push, offsetof(GpuCounters, connection_groups) + 12 * round);
+            dispatch_trace(f, connect, push, offsetof(GpuCounters, connection_groups) + 12 * round);
         }
         f.commands.stamp(3);
         copy_counters(f);
@@ -70,7 +70,7 @@ std::size_t VulkanBackend::light_rounds(Flight& f, Call& call, GpuPush push, std
 bool VulkanBackend::run_whitted(Flight& f, Call& call)
 {
     Gpu& gpu = *scene_.gpu();
-    const GpuKernel extend = gpu.kernel("extend", scene_.trace_constants(false));
+    const GpuKernel extend = trace_kernel("extend", false);
     const GpuKernel shade = gpu.kernel("shade_whitted", scene_.shade_constants()),
                     gather = gpu.kernel("gather_whitted");
     const GpuKernel sum = gpu.kernel("sum"), spread = gpu.kernel("spread"), enqueue = gpu.kernel("enqueue_whitted");
@@ -88,7 +88,7 @@ bool VulkanBackend::run_whitted(Flight& f, Call& call)
         if (wave == 0) generate(f, f.batch.samples);
         f.commands.stamp(3);
         push.from_camera = wave == 0 ? 1 : 0;
-        dispatch(f, extend, push, count);
+        dispatch_trace(f, extend, push, offsetof(GpuCounters, path_groups));
         f.commands.stamp(4);
         dispatch(f, shade, push, count);
         f.commands.stamp(5);

@@ -233,6 +233,7 @@ void Gpu::Commands::submit()
     submit.sType = VK_STRUCTURE_TYPE_SUBMIT_INFO;
     submit.commandBufferCount = 1;
     submit.pCommandBuffers = &handle;
+    if (gpu_.acts_lost) check_vulkan(VK_ERROR_DEVICE_LOST, "vkQueueSubmit");
     {
         const std::lock_guard lock(gpu_.queue_mutex_);
         check_vulkan(vkQueueSubmit(gpu_.queue_, 1, &submit, fence_), "vkQueueSubmit");

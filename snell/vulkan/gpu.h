@@ -3,6 +3,7 @@
 
 #include "snell/vulkan/instance.h"
 
+#include <atomic>
 #include <functional>
 #include <map>
 #include <span>
@@ -62,6 +63,9 @@ class Gpu
     // Kernel `name` of snell/vulkan/shaders/, specialised by its constants 0, 1, ... Compiled once, and kept.
     GpuKernel kernel(std::string_view name, const std::vector<std::uint32_t>& constants = {});
     VkPipelineLayout layout() const { return layout_; } // of all kernels: GpuPush
+
+    // For tests: what is handed over fails from now on, as on a device that is lost.
+    std::atomic<bool> acts_lost = false;
 
     // Copies to a buffer, at once.
     void upload(const GpuBuffer& to, std::size_t offset, const void* data, std::size_t bytes);

@@ -19,7 +19,7 @@ class Parts
     VkDeviceAddress next_;
 };
 
-constexpr std::size_t parts_at_most = 12;
+constexpr std::size_t parts_at_most = 14;
 } // namespace
 
 std::size_t Queues::count_words(std::size_t paths)
@@ -33,6 +33,7 @@ std::size_t Queues::bytes_of_path(QueueKinds kinds)
 {
     std::size_t bytes = 2 * (sizeof(Ray) + sizeof(PathState)) + sizeof(Hit) + sizeof(Connection);
     if (kinds.steps || kinds.first_hits) bytes += sizeof(uint);
+    if (kinds.sorts) bytes += 2 * sizeof(uint);
     if (kinds.branches) bytes += sizeof(SampleSlot) + sizeof(GpuBranches) + 5; // 5: of branch_counts
     return bytes;
 }
@@ -60,6 +61,10 @@ void Queues::describe(GpuJob& job)
     job.hits.address = parts.take(capacity * sizeof(Hit));
     job.connections.address = parts.take(capacity * sizeof(Connection));
     if (kinds.steps || kinds.first_hits) job.steps.address = parts.take(capacity * sizeof(uint));
+    if (kinds.sorts) {
+        job.bins.address = parts.take(capacity * sizeof(uint));
+        job.sorted.address = parts.take(capacity * sizeof(uint));
+    }
     if (kinds.branches) {
         job.lit.address = parts.take(capacity * sizeof(SampleSlot));
         job.branches.address = parts.take(capacity * sizeof(GpuBranches));

@@ -9,7 +9,7 @@ namespace snell {
 // Which of the queues there are, beside those of all renders.
 struct QueueKinds
 {
-    bool steps = false, branches = false, first_hits = false;
+    bool steps = false, branches = false, first_hits = false, sorts = false;
     bool operator==(const QueueKinds&) const = default;
 };
 

@@ -103,6 +103,10 @@ struct GpuFilm
 };
 SNELL_LAYOUT(GpuFilm, 40)
 
+// Paths that are sorted by material: a bin for each kind, and the last one for those that have met nothing.
+SNELL_CONST uint sort_bins = 8u;
+SNELL_CONST uint bin_of_misses = material_kinds;
+
 // How many there are of what the stages hand on, wave by wave, and the workgroups for them.
 struct GpuCounters
 {
@@ -110,8 +114,12 @@ struct GpuCounters
     uint connections[8];  // that the wave has made
     uint path_groups[27]; // three numbers for each wave: what vkCmdDispatchIndirect reads
     uint connection_groups[24];
+    uint paths_taken[8];       // by workgroups that fetch them
+    uint connections_taken[8]; // the same
+    uint bin_sizes[64];        // sorting by material: eight for each wave
+    uint bin_filled[64];
 };
-SNELL_LAYOUT(GpuCounters, 272)
+SNELL_LAYOUT(GpuCounters, 848)
 SNELL_BUFFER(CountersBuffer, GpuCounters)
 
 // The two continuations that Whitted's renderer may have at a surface, before they find their places in the queue.
@@ -134,6 +142,7 @@ struct GpuJob
     StateBuffer states_0, states_1;
     HitBuffer hits; // of the paths of the wave
     WordBuffer steps;
+    WordBuffer bins, sorted; // sorting by material: by path, its bin; then the paths in order
     ConnectionBuffer connections;
     SlotBuffer slots;          // by sample of the batch
     SlotBuffer lit;            // Whitted's renderer: by path of the wave
@@ -146,7 +155,7 @@ struct GpuJob
     GpuTree first; // where rays begin: the tree over the instances, or the world's where there are none
     RenderParams params;
 };
-SNELL_LAYOUT(GpuJob, 728)
+SNELL_LAYOUT(GpuJob, 744)
 SNELL_BUFFER(JobBuffer, GpuJob)
 
 // What differs between dispatches.
