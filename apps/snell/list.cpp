@@ -5,6 +5,7 @@
 
 #include "snell/bvh/accel.h"
 #include "snell/bvh/options.h"
+#include "snell/render/gpu_options.h"
 #include "snell/render/integrator.h"
 #include "snell/scene/builtin.h"
 #include "snell/scene/camera_models.h"
@@ -42,10 +43,14 @@ static std::vector<Section> sections()
     for (const BuilderInfo& info : builders())
         builder.entries.push_back({std::string(info.name), std::string(info.summary), {}});
     Section& option = all.emplace_back(Section{"accel_parameters", "What structures take (-D)", {}});
-    for (const std::string& line : accel_parameters()) {
-        const std::size_t end = line.find("  ");
-        option.entries.push_back({line.substr(0, end), line.substr(end + 2), {}});
-    }
+    const auto add_parameters = [](Section& section, std::span<const std::string> lines) {
+        for (const std::string& line : lines) {
+            const std::size_t end = line.find("  ");
+            section.entries.push_back({line.substr(0, end), line.substr(end + 2), {}});
+        }
+    };
+    add_parameters(option, accel_parameters());
+    add_parameters(all.emplace_back(Section{"gpu_parameters", "How GPUs work (-D)", {}}), gpu_parameters());
 
     const auto add_named = [&](const char* key, const char* title, const std::vector<Named>& names) {
         Section& section = all.emplace_back(Section{key, title, {}});

@@ -7,6 +7,7 @@
 #include "snell/bvh/options.h"
 #include "snell/core/error.h"
 #include "snell/io/file.h"
+#include "snell/render/gpu_options.h"
 #include "snell/render/integrator.h"
 #include "snell/render/params.h"
 
@@ -93,8 +94,9 @@ static void settle_technique(RenderJob& job, const RenderHints& hints, std::vect
         taken.push_back(fmt::format("max_depth {}", *hints.max_depth));
     }
     for (const std::string& line : accel_parameters()) keys.push_back(line.substr(0, line.find('=')));
+    for (const std::string& line : gpu_parameters()) keys.push_back(line.substr(0, line.find('=')));
     for (const auto& [key, value] : settings.parameters)
-        check_name("parameter of integrator " + settings.integrator + " or of structures", key, keys);
+        check_name("parameter of integrator " + settings.integrator + ", of structures or of GPUs", key, keys);
     try { // their values, on a stand-in for the camera
         const AccelOptions options = read_accel_options(settings.parameters, settings.accel_options);
         if (!options.build.builder.empty()) check_name("builder", options.build.builder, builder_names());

@@ -13,6 +13,7 @@
 
 #include "snell/bvh/options.h"
 #include "snell/core/parallel.h"
+#include "snell/render/gpu_options.h"
 #include "snell/view/viewer.h"
 
 #include <fmt/format.h>
@@ -145,8 +146,9 @@ static void check_names(const RenderSettings& settings)
     if (!settings.accel.empty()) check_name("acceleration structure", settings.accel, accel_names());
     std::vector<std::string> keys = parameter_names(settings.integrator);
     for (const std::string& line : accel_parameters()) keys.push_back(line.substr(0, line.find('=')));
+    for (const std::string& line : gpu_parameters()) keys.push_back(line.substr(0, line.find('=')));
     for (const auto& [key, value] : settings.parameters)
-        check_name("parameter of integrator " + settings.integrator + " or of structures", key, keys);
+        check_name("parameter of integrator " + settings.integrator + ", of structures or of GPUs", key, keys);
 }
 
 int run_view(const Arguments& arguments)

@@ -1,5 +1,7 @@
 #include "snell/render/film.h"
 
+#include "snell/kernel/film.h"
+
 #include <limits>
 
 namespace snell {
@@ -27,13 +29,68 @@ Film::Film(int w, int h, bool with_layers) : width(w), height(h)
 
 void Film::add_sample(std::size_t pixel, vec3 radiance)
 {
-    const vec4 before(sum[pixel], square_sum[pixel]);
-    const vec4 term = vec4(radiance, sqr(luminance(radiance))) - excess[pixel];
-    const vec4 after = before + term;
-    excess[pixel] = (after - before) - term;
-    sum[pixel] = vec3(after.x, after.y, after.z);
-    square_sum[pixel] = after.w;
-    sample_count[pixel] += 1;
+    PixelSums p = sums(pixel);
+    add_radiance(p, radiance);
+    set(pixel, p);
+}
+
+PixelSums Film::sums(std::size_t pixel) const
+{
+    return {sum[pixel], square_sum[pixel], excess[pixel], sample_count[pixel],
+            seen_through.empty() ? 0u : seen_through[pixel]};
+}
+
+void Film::set(std::size_t pixel, const PixelSums& sums)
+{
+    sum[pixel] = sums.sum;
+    square_sum[pixel] = sums.square_sum;
+    excess[pixel] = sums.excess;
+    sample_count[pixel] = sums.sample_count;
+    if (!seen_through.empty()) seen_through[pixel] = sums.seen_through;
+}
+
+PixelLight FilmLayers::light(std::size_t pixel) const
+{
+    return {emission[pixel], direct[pixel], indirect[pixel]};
+}
+
+void FilmLayers::set(std::size_t pixel, const PixelLight& light)
+{
+    emission[pixel] = light.emission;
+    direct[pixel] = light.direct;
+    indirect[pixel] = light.indirect;
+}
+
+// Ids that nothing has: `none` in the layers, and 0 in a pixel of zeros, which is what an empty one is for kernels.
+PixelHits FilmLayers::hits(std::size_t pixel) const
+{
+    const bool any = hit_count[pixel] > 0;
+    return {albedo[pixel],
+            normal[pixel],
+            geometric_normal[pixel],
+            position[pixel],
+            uv[pixel],
+            depth[pixel],
+            steps[pixel],
+            any ? object[pixel] : 0u,
+            any ? material[pixel] : 0u,
+            hit_count[pixel],
+            sample_count[pixel]};
+}
+
+void FilmLayers::set(std::size_t pixel, const PixelHits& hits)
+{
+    albedo[pixel] = hits.albedo;
+    normal[pixel] = hits.normal;
+    geometric_normal[pixel] = hits.geometric_normal;
+    position[pixel] = hits.position;
+    uv[pixel] = hits.uv;
+    depth[pixel] = hits.depth;
+    steps[pixel] = hits.steps;
+    object[pixel] = hits.hit_count > 0 ? hits.object : none;
+    material[pixel] = hits.hit_count > 0 ? hits.material : none;
+    hit_count[pixel] = hits.hit_count;
+    sample_count[pixel] = hits.sample_count;
 }
 
 // 1 / count; 0 where nothing was counted.

@@ -9,6 +9,10 @@
 
 namespace snell {
 
+struct PixelSums; // snell/kernel/film.h
+struct PixelLight;
+struct PixelHits;
+
 // What the first hit of the camera rays saw, averaged over the samples recorded; ids are of the first sample.
 struct FilmLayers
 {
@@ -18,6 +22,12 @@ struct FilmLayers
     std::vector<uint> object, material;                                                       // none: nothing was hit
     std::vector<uint> hit_count;    // first-hit samples that hit something: divisor of the first-hit sums
     std::vector<uint> sample_count; // first-hit samples: divisor of `steps`
+
+    // What one pixel has, as kernels know it.
+    PixelLight light(std::size_t pixel) const;
+    void set(std::size_t pixel, const PixelLight& light);
+    PixelHits hits(std::size_t pixel) const;
+    void set(std::size_t pixel, const PixelHits& hits);
 };
 
 struct Film
@@ -37,9 +47,11 @@ struct Film
     Film() = default;
     Film(int width, int height, bool with_layers);
 
-    // Adds one finite sample. Summed with Kahan's compensation (1965): a million samples are as exact as one, where
-    // plain floats would have stopped growing.
+    // Adds one finite sample, as add_radiance() of snell/kernel/film.h does.
     void add_sample(std::size_t pixel, vec3 radiance);
+    // What one pixel has, as kernels know it. Where everything is opaque, nothing is seen through.
+    PixelSums sums(std::size_t pixel) const;
+    void set(std::size_t pixel, const PixelSums& sums);
 
     // Variance of a pixel's mean, on luminance, estimated without bias; 0 with fewer than two samples.
     double mean_variance(std::size_t pixel) const;

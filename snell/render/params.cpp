@@ -3,6 +3,7 @@
 #include "snell/bvh/options.h"
 #include "snell/core/error.h"
 #include "snell/core/text.h"
+#include "snell/render/gpu_options.h"
 
 #include <charconv>
 #include <cmath>
@@ -44,7 +45,7 @@ static void check_keys(const RenderSettings& settings, const IntegratorInfo& int
     std::vector<std::string> known;
     for (const std::string& line : integrator.parameters) known.push_back(line.substr(0, line.find('=')));
     for (const auto& [key, value] : settings.parameters) {
-        if (is_accel_parameter(key) || std::find(known.begin(), known.end(), key) != known.end()) continue;
+        if (is_accel_parameter(key) || is_gpu_parameter(key) || std::find(known.begin(), known.end(), key) != known.end()) continue;
         const std::string near = nearest(key, known);
         throw Error(fmt::format("integrator '{}' has no parameter '{}'", integrator.name, key),
                     !near.empty()   ? fmt::format("did you mean '{}'?", near)
@@ -57,6 +58,7 @@ ReadyParams make_render_params(const RenderSettings& settings, const IntegratorI
                                const CameraDesc& camera, float scene_radius)
 {
     check_keys(settings, integrator);
+    read_gpu_options(settings.parameters); // on every device: what is wrong is wrong anywhere
     const auto value = [&](const std::string& key, auto otherwise, auto parse) {
         const auto found = settings.parameters.find(key);
         return found == settings.parameters.end() ? otherwise : parse(key, found->second);

@@ -1,14 +1,12 @@
 #include "snell/vulkan/backend.h"
 
 #include "snell/core/error.h"
-#include "snell/core/parallel.h"
-#include "snell/core/timer.h"
 #include "snell/kernel/views.h"
 #include "snell/render/film_samples.h"
+#include "snell/render/render_stats.h"
 
 #include <algorithm>
 #include <cstring>
-#include <limits>
 
 namespace snell {
 
@@ -22,13 +20,17 @@ constexpr std::size_t fewest_paths = 4096;
 // Whitted's renderer has up to 1 / whitted_cutoff rays of a sample alive: the samples of one pixel must always fit.
 constexpr std::size_t fewest_branching_paths = samples_at_once * 256;
 
-// Commands that are handed over together should take that long: nobody waits longer for the device, drivers do not take
-// it for hanging (they give up after 2 to 10 seconds), and starting them costs little beside.
+// Commands that are handed over together should take half of that long, for two lots of them are under way: nobody
+// waits longer for the device, drivers do not take it for hanging (they give up after 2 to 10 seconds), and starting
+// them costs little beside.
 constexpr double seconds_at_once = 0.05;
+// How often the film comes to the host at least: what a device that is lost takes with it.
+constexpr double film_interval = 1.0;
 
 static QueueKinds kinds_of(const BackendJob& job)
 {
     QueueKinds kinds;
+    kinds.sorts = read_gpu_options(job.settings.parameters).sorts_by_material;
     kinds.steps = job.integrator.view == view_steps;
     kinds.branches = job.integrator.name == "whitted";
     kinds.first_hits = job.settings.layers;
@@ -41,11 +43,20 @@ static std::size_t capacity_for(const Gpu& gpu, const BackendJob& job)
         static_cast<double>(job.settings.width) * job.settings.height * std::min(job.settings.spp, samples_at_once);
     const std::size_t fewest = kinds_of(job).branches ? fewest_branching_paths : fewest_paths;
     std::size_t most = gpu.is_processor() ? most_paths_on_processor : most_paths;
-    const std::size_t room = gpu.info().info.memory_bytes / 4;
-    while (most > fewest && most * (Queues::bytes_of_path(kinds_of(job)) + sizeof(GpuSlot)) > room) most /= 2;
+    const std::size_t room = gpu.info().info.memory_bytes / 8; // there are two of them
+    while (most > fewest && most * (Queues::bytes_of_path(kinds_of(job)) + sizeof(SampleSlot)) > room) most /= 2;
     std::size_t capacity = fewest;
     while (capacity < most && static_cast<double>(capacity) < samples) capacity *= 2;
     return capacity;
+}
+
+// The pixels that a render is asked for.
+static Region area_of(const RenderSettings& settings)
+{
+    const Region whole{0, 0, settings.width, settings.height};
+    if (!settings.region) return whole;
+    const Region& r = *settings.region;
+    return {std::max(r.x0, 0), std::max(r.y0, 0), std::min(r.x1, whole.x1), std::min(r.y1, whole.y1)};
 }
 
 std::unique_ptr<Backend> VulkanScene::make_backend(const BackendJob& job)
@@ -53,374 +64,453 @@ std::unique_ptr<Backend> VulkanScene::make_backend(const BackendJob& job)
     return std::make_unique<VulkanBackend>(*this, job);
 }
 
+VulkanBackend::Flight::Flight(Gpu& gpu, std::unique_ptr<Queues> owned)
+    : queues(std::move(owned)), commands(gpu, 4 + 3 * waves_at_once)
+{
+}
+
 VulkanBackend::VulkanBackend(VulkanScene& scene, const BackendJob& job)
-    : scene_(scene), job_(job), lens_(scene.gpu()), commands_(*scene.gpu(), 2 + 3 * waves_at_once)
+    : scene_(scene), job_(job), options_(read_gpu_options(job.settings.parameters)), lens_(scene.gpu()),
+      film_commands_(*scene.gpu())
 {
     if (job.integrator.radiance)
         throw Error(
             fmt::format("the integrator '{}' is a function in C++, which a GPU cannot run", job.integrator.name),
             "use --device cpu");
-    const std::size_t capacity = capacity_for(*scene.gpu(), job);
-    queues_ = scene.take_queues(capacity, kinds_of(job));
-    batch_paths_ = std::min(capacity, scene.gpu()->is_processor() ? fewest_paths : most_paths / 4);
-    GpuJob on_device{};
-    scene.describe(on_device);
-    on_device.params = job.params;
-    if (LensSystem& lens = on_device.params.camera.lens; lens.interface_count > 0) {
+    capacity_ = capacity_for(*scene.gpu(), job);
+    batch_paths_ = std::min(capacity_, scene.gpu()->is_processor() ? fewest_paths : most_paths / 4);
+    scene.describe(on_device_);
+    on_device_.params = job.params;
+    if (LensSystem& lens = on_device_.params.camera.lens; lens.interface_count > 0) {
         const std::size_t rows = std::size_t{lens.first} + lens.interface_count + lens.pupil_count;
         lens_.follow({{job.params.camera.lens.table.at, rows * sizeof(vec4)}});
         const VkDeviceAddress address = lens_.address(0);
         std::memcpy(&lens.table.at, &address, sizeof(address)); // no pointer of the host's
     }
-    queues_->describe(on_device);
+    std::unique_ptr<Queues> queues = scene.take_queues(capacity_, kinds_of(job));
+    const Region area = area_of(job.settings);
+    const std::size_t pixels =
+        static_cast<std::size_t>(area.x1 - area.x0) * static_cast<std::size_t>(area.y1 - area.y0);
+    if (!queues->film || !queues->film->has_room(pixels, job.settings.layers)) {
+        queues->film.reset(); // not two of them at a time
+        queues->film = std::make_unique<DeviceFilm>(scene.gpu(), pixels, job.settings.layers);
+    }
+    film_ = queues->film.get();
+    film_->begin(area);
+    on_device_.film = film_->describe();
+    GpuJob on_device = on_device_;
+    queues->describe(on_device);
+    flights_[0] = std::make_unique<Flight>(*scene.gpu(), std::move(queues));
 }
 
 VulkanBackend::~VulkanBackend()
 {
-    scene_.give_queues(std::move(queues_));
+    wait_for_all();
+    for (const std::unique_ptr<Flight>& f : flights_)
+        if (f) scene_.give_queues(std::move(f->queues));
 }
+
+// The second one is made when there is something for it to do.
+VulkanBackend::Flight& VulkanBackend::flight(std::size_t number)
+{
+    if (!flights_[number]) {
+        std::unique_ptr<Queues> queues = scene_.take_queues(capacity_, kinds_of(job_));
+        GpuJob on_device = on_device_;
+        queues->describe(on_device);
+        flights_[number] = std::make_unique<Flight>(*scene_.gpu(), std::move(queues));
+    }
+    return *flights_[number];
+}
+
+// ---- batches ----
 
 void VulkanBackend::render_samples(const Region& region, uint first_sample, uint count, Film& film,
                                    const std::function<bool()>& keep_going)
 {
-    const std::size_t pixels =
-        static_cast<std::size_t>(region.x1 - region.x0) * static_cast<std::size_t>(region.y1 - region.y0);
-    for (uint done = 0; done < count;) {
-        Batch batch{region, 0, 0, first_sample + done, std::min(count - done, samples_at_once)};
-        while (batch.first_pixel < pixels) {
-            batch.pixels = std::clamp<std::size_t>(batch_paths_ / batch.samples, 1, pixels - batch.first_pixel);
-            longest_run_ = batch_seconds_ = 0;
-            const uint recorded = recorded_samples(job_.settings, batch.first_sample, batch.samples);
-            if (!run_batch(batch)) { // it has branched into more paths than there is room for
-                SNELL_CHECK_LT(1u, batch.pixels);
-                batch_paths_ = std::max<std::size_t>(batch.paths() / 2, 1);
-                continue;
-            }
-            add_to_film(batch, film);
-            if (recorded > 0) {
-                Batch first = batch;
-                first.samples = recorded;
-                run_first_hits(first, film);
-            }
-            adapt();
-            batch.first_pixel += batch.pixels;
-            if (!keep_going()) return;
-        }
-        done += batch.samples;
+    if (count == 0) return;
+    film_commands_.wait();
+    film_commands_.begin();
+    film_->follow(film_commands_, film, region);
+    film_commands_.submit();
+    last_landing_ = last_fetch_ = clock_.seconds();
+    film_samples_ = stats_.samples;
+    Call call{region, first_sample, count, film, keep_going};
+    try {
+        if (job_.integrator.name == "whitted")
+            render_in_turn(call);
+        else
+            render_overlapping(call);
+    } catch (...) {
+        wait_for_all();
+        stats_.samples = stats_.camera_rays = film_samples_; // the others never came
+        throw;
     }
 }
 
-void VulkanBackend::adapt()
+// As many pixels as make a batch of about batch_paths_.
+VulkanBackend::Batch VulkanBackend::next_batch(Call& call) const
 {
-    const double factor = std::clamp(seconds_at_once / std::max(longest_run_, 1e-6), 0.5, 2.0);
+    const std::size_t pixels = static_cast<std::size_t>(call.region.x1 - call.region.x0) *
+                               static_cast<std::size_t>(call.region.y1 - call.region.y0);
+    Batch batch{call.region, call.next_pixel, 0, call.first_sample + call.samples_done,
+                std::min(call.count - call.samples_done, samples_at_once)};
+    batch.pixels = std::clamp<std::size_t>(batch_paths_ / batch.samples, 1, pixels - batch.first_pixel);
+    call.next_pixel += batch.pixels;
+    if (call.next_pixel == pixels) {
+        call.next_pixel = 0;
+        call.samples_done += batch.samples;
+    }
+    return batch;
+}
+
+// Batches reach the film in their order, whichever is through the stages first: so a pixel's samples are in theirs.
+void VulkanBackend::render_overlapping(Call& call)
+{
+    std::deque<Flight*> order; // of the batches
+    const auto take_off = [&](Flight& f) {
+        start(f, next_batch(call));
+        record_stage(f);
+        order.push_back(&f);
+    };
+    for (std::size_t i = 0; i < std::size(flights_) && !call.is_over(); ++i) {
+        begin(flight(i));
+        take_off(flight(i));
+        submit(flight(i));
+    }
+    while (!under_way_.empty()) {
+        Flight& landed = *under_way_.front();
+        land(call);
+        if (call.stopped) continue; // a batch that is not in the film by now never will be
+        if (landed.stage == Flight::Stage::first_hits || landed.stage == Flight::Stage::waves) {
+            begin(landed);
+            record_stage(landed);
+            submit(landed);
+        }
+        while (!call.stopped && !order.empty() && order.front()->stage == Flight::Stage::finished) {
+            Flight& f = *order.front();
+            order.pop_front();
+            begin(f);
+            finish(f, call, order.empty());
+            if (!call.is_over()) take_off(f);
+            submit(f);
+        }
+    }
+}
+
+void VulkanBackend::start(Flight& f, const Batch& batch)
+{
+    f.batch = batch;
+    f.recorded = recorded_samples(job_.settings, batch.first_sample, batch.samples);
+    f.stage = f.recorded > 0 ? Flight::Stage::first_hits : Flight::Stage::waves;
+    f.waves = 0;
+    f.alive = f.recorded > 0 ? batch.pixels * f.recorded : batch.paths();
+    f.stats = {};
+    f.stats.camera_rays = f.stats.samples = batch.paths();
+    f.seconds = f.longest = 0;
+}
+
+void VulkanBackend::record_stage(Flight& f)
+{
+    if (f.stage == Flight::Stage::first_hits)
+        record_first_hits(f);
+    else
+        record_waves(f);
+}
+
+void VulkanBackend::submit(Flight& f)
+{
+    f.commands.submit();
+    f.submitted = clock_.seconds();
+    under_way_.push_back(&f);
+}
+
+// Waits for what was handed over first, and looks at what has come of it.
+void VulkanBackend::land(Call& call)
+{
+    Flight& f = *under_way_.front();
+    f.commands.wait();
+    under_way_.pop_front();
+    const double now = clock_.seconds();
+    const double taken = now - std::max(f.submitted, last_landing_); // the device does one after the other
+    last_landing_ = now;
+    f.seconds += taken;
+    f.longest = std::max(f.longest, taken);
+    stats_.finalize_seconds += f.commands.seconds(0, 1);
+    if (f.has_finalized) {
+        f.has_finalized = false;
+        const GpuDropped& dropped = f.queues->dropped_read();
+        if (job_.settings.strict && dropped.samples > 0) {
+            const Region area = area_of(job_.settings);
+            const auto columns = static_cast<uint>(area.x1 - area.x0);
+            refuse_sample(dropped.sample_number, area.x0 + static_cast<int>(dropped.pixel % columns),
+                          area.y0 + static_cast<int>(dropped.pixel / columns), dropped.radiance);
+        }
+        if (f.fetches) take_film(f, call);
+    }
+    if (f.stage == Flight::Stage::waves) {
+        count_waves(f);
+        f.waves += f.waves_now;
+        f.alive = f.waves < waves().most ? f.queues->counters_read().paths[f.waves_now] : 0;
+        if (f.alive == 0) f.stage = Flight::Stage::finished;
+    } else if (f.stage == Flight::Stage::first_hits) {
+        f.waves += waves_at_once;
+        f.alive = f.queues->counters_read().paths[waves_at_once];
+        if (f.alive > 0) return;
+        f.stage = Flight::Stage::waves;
+        f.waves = 0;
+        f.alive = f.batch.paths();
+    }
+}
+
+void VulkanBackend::take_film(Flight& f, Call& call)
+{
+    const Timer timer;
+    film_->take(call.film, f.queues->dropped_read());
+    film_samples_ = f.film_samples;
+    f.fetches = is_fetching_ = false;
+    last_fetch_ = clock_.seconds();
+    stats_.finalize_seconds += timer.seconds();
+}
+
+// Records what adds the batch to the film, after all batches before it. is_last: no other one is on its way.
+void VulkanBackend::finish(Flight& f, Call& call, bool is_last)
+{
+    record_finalize(f);
+    const Batch& batch = f.batch;
+    add(stats_, f.stats);
+    film_->note_changed(batch.first_pixel, batch.pixels);
+    add_batch_time(f, call.film);
+    const double factor = std::clamp(0.5 * seconds_at_once / std::max(f.longest, 1e-6), 0.5, 2.0);
     batch_paths_ = std::clamp(static_cast<std::size_t>(static_cast<double>(batch_paths_) * factor),
-                              std::min(fewest_paths, batch_paths_), queues_->capacity);
+                              std::min(fewest_paths, batch_paths_), capacity_);
+    f.stage = Flight::Stage::idle;
+    if (!call.keep_going()) call.stopped = true;
+    const bool is_end = call.stopped || (is_last && call.is_over());
+    while (is_end && is_fetching_) land(call);
+    if (is_end || (!is_fetching_ && clock_.seconds() - last_fetch_ > film_interval)) {
+        film_->fetch(f.commands);
+        f.fetches = is_fetching_ = true;
+        f.film_samples = stats_.samples;
+    }
+    f.commands.stamp(1);
+}
+
+// The time that a batch has taken, shared alike by its pixels.
+void VulkanBackend::add_batch_time(const Flight& f, Film& film) const
+{
+    const Batch& batch = f.batch;
+    const auto columns = static_cast<std::size_t>(batch.region.x1 - batch.region.x0);
+    const std::size_t end = batch.first_pixel + batch.pixels;
+    const double share = f.seconds / static_cast<double>(batch.pixels);
+    for (std::size_t row = batch.first_pixel / columns; row * columns < end; ++row) {
+        const std::size_t from = std::max(batch.first_pixel, row * columns), to = std::min(end, (row + 1) * columns);
+        const int y = batch.region.y0 + static_cast<int>(row);
+        const auto x_of = [&](std::size_t p) { return batch.region.x0 + static_cast<int>(p - row * columns); };
+        add_time(film, {x_of(from), y, x_of(to), y + 1}, share * static_cast<double>(to - from));
+    }
+}
+
+void VulkanBackend::wait_for_all() noexcept
+{
+    for (Flight* f : under_way_) {
+        try {
+            f->commands.wait();
+        } catch (const Error&) { // lost: there is nothing to wait for
+        }
+    }
+    under_way_.clear();
+    is_fetching_ = false;
+    for (const std::unique_ptr<Flight>& f : flights_)
+        if (f) f->fetches = f->has_finalized = false;
 }
 
 // ---- commands ----
 
-GpuPush VulkanBackend::parameters() const
+GpuPush VulkanBackend::parameters(const Flight& f) const
 {
     GpuPush push{};
-    push.job.address = queues_->job();
+    push.job.address = f.queues->job();
     return push;
 }
 
-void VulkanBackend::begin()
+// For kernels that know pixels.
+GpuPush VulkanBackend::batch_parameters(const Flight& f, uint samples) const
 {
-    commands_.begin();
-    commands_.stamp(0);
+    const Batch& batch = f.batch;
+    GpuPush push = parameters(f);
+    push.first_pixel = static_cast<uint>(batch.first_pixel);
+    push.first_sample = batch.first_sample;
+    push.samples = samples;
+    push.x0 = static_cast<uint>(batch.region.x0);
+    push.y0 = static_cast<uint>(batch.region.y0);
+    push.columns = static_cast<uint>(batch.region.x1 - batch.region.x0);
+    return push;
 }
 
-void VulkanBackend::run()
+void VulkanBackend::begin(Flight& f)
 {
-    const Timer timer;
-    commands_.run();
-    const double seconds = timer.seconds();
-    longest_run_ = std::max(longest_run_, seconds);
-    batch_seconds_ += seconds;
+    f.commands.begin();
+    f.commands.barrier(); // behind what was handed over before
+    f.commands.stamp(0);
 }
 
-void VulkanBackend::set_counters(std::size_t paths)
+void VulkanBackend::set_counters(Flight& f, std::size_t paths)
 {
     GpuCounters counters{};
     counters.paths[0] = static_cast<uint>(paths);
     counters.path_groups[0] = static_cast<uint>((paths + group_size - 1) / group_size);
     counters.path_groups[1] = counters.path_groups[2] = 1;
-    commands_.barrier();
-    vkCmdUpdateBuffer(commands_.handle, queues_->counters.handle, 0, sizeof(counters), &counters);
-    commands_.barrier();
+    f.commands.barrier();
+    vkCmdUpdateBuffer(f.commands.handle, f.queues->counters.handle, 0, sizeof(counters), &counters);
+    f.commands.barrier();
 }
 
-void VulkanBackend::dispatch(GpuKernel kernel, const GpuPush& push, std::size_t items)
+void VulkanBackend::dispatch(Flight& f, GpuKernel kernel, const GpuPush& push, std::size_t items)
 {
-    commands_.bind(kernel);
-    commands_.push(&push, sizeof(push));
-    commands_.dispatch(items);
-    commands_.barrier();
+    f.commands.bind(kernel);
+    f.commands.push(&push, sizeof(push));
+    f.commands.dispatch(items);
+    f.commands.barrier();
 }
 
-void VulkanBackend::dispatch_indirect(GpuKernel kernel, const GpuPush& push, std::size_t counters_offset)
+void VulkanBackend::dispatch_indirect(Flight& f, GpuKernel kernel, const GpuPush& push, std::size_t counters_offset)
 {
-    commands_.bind(kernel);
-    commands_.push(&push, sizeof(push));
-    commands_.dispatch_indirect(queues_->counters, counters_offset);
-    commands_.barrier();
+    f.commands.bind(kernel);
+    f.commands.push(&push, sizeof(push));
+    f.commands.dispatch_indirect(f.queues->counters, counters_offset);
+    f.commands.barrier();
 }
 
-void VulkanBackend::copy_back(const GpuBuffer& from, const GpuBuffer& to, std::size_t bytes)
+// Workgroups that fetch rays: as many as the widest devices run at a time, and for a processor a few for each thread.
+constexpr std::size_t fetching_groups = 4096, fetching_groups_on_processor = 64;
+
+GpuKernel VulkanBackend::trace_kernel(const char* name, bool counts_steps) const
 {
-    const VkBufferCopy copy{0, 0, bytes};
-    vkCmdCopyBuffer(commands_.handle, from.handle, to.handle, 1, &copy);
+    std::vector<std::uint32_t> constants = scene_.trace_constants(counts_steps);
+    if (options_.takes_blocks) constants.push_back(1);
+    return scene_.gpu()->kernel(name, constants);
 }
 
-void VulkanBackend::generate(const Batch& batch)
+// counters_offset: where the number of workgroups stands that there are rays for.
+void VulkanBackend::dispatch_trace(Flight& f, GpuKernel kernel, const GpuPush& push, std::size_t counters_offset)
 {
-    GpuPush push = parameters();
-    push.count = static_cast<uint>(batch.paths());
-    push.first_pixel = static_cast<uint>(batch.first_pixel);
-    push.first_sample = batch.first_sample;
-    push.samples = batch.samples;
-    push.x0 = static_cast<uint>(batch.region.x0);
-    push.y0 = static_cast<uint>(batch.region.y0);
-    push.columns = static_cast<uint>(batch.region.x1 - batch.region.x0);
-    dispatch(scene_.gpu()->kernel("generate"), push, batch.paths());
+    if (!options_.takes_blocks) return dispatch_indirect(f, kernel, push, counters_offset);
+    const std::size_t groups = scene_.gpu()->is_processor() ? fetching_groups_on_processor : fetching_groups;
+    dispatch(f, kernel, push, groups * group_size);
+}
+
+void VulkanBackend::copy_counters(Flight& f)
+{
+    const VkBufferCopy copy{0, 0, sizeof(GpuCounters)};
+    vkCmdCopyBuffer(f.commands.handle, f.queues->counters.handle, f.queues->counters_seen.handle, 1, &copy);
+}
+
+void VulkanBackend::generate(Flight& f, uint samples)
+{
+    GpuPush push = batch_parameters(f, samples);
+    push.count = static_cast<uint>(f.batch.pixels * samples);
+    dispatch(f, scene_.gpu()->kernel("generate"), push, push.count);
+}
+
+void VulkanBackend::record_finalize(Flight& f)
+{
+    Gpu& gpu = *scene_.gpu();
+    GpuPush push = batch_parameters(f, f.batch.samples);
+    push.count = static_cast<uint>(f.batch.pixels);
+    dispatch(f, gpu.kernel("finalize"), push, push.count);
+    if (f.recorded > 0) {
+        push.samples = f.recorded;
+        dispatch(f, gpu.kernel("finalize_hits"), push, push.count);
+    }
+    const VkBufferCopy copy{0, sizeof(GpuCounters), sizeof(GpuDropped)};
+    vkCmdCopyBuffer(f.commands.handle, film_->dropped.handle, f.queues->counters_seen.handle, 1, &copy);
+    f.has_finalized = true;
 }
 
 // ---- integrators ----
 
-// False: there was no room for all the paths of the batch, and nothing has come of it.
-bool VulkanBackend::run_batch(const Batch& batch)
+VulkanBackend::Waves VulkanBackend::waves() const
 {
-    stats_.camera_rays += batch.paths();
-    stats_.samples += batch.paths();
     const IntegratorInfo& integrator = job_.integrator;
     if (integrator.name == "path" || integrator.name == "furnace")
-        return run_waves(batch, "shade_path", 0, std::uint64_t{job_.params.max_depth} + 1);
-    if (integrator.name == "ao") return run_waves(batch, "shade_ambient", 0, 1);
-    if (integrator.name == "whitted") {
-        if (run_whitted(batch)) return true;
-        stats_.camera_rays -= batch.paths();
-        stats_.samples -= batch.paths();
-        return false;
-    }
+        return {"shade_path", 0, std::uint64_t{job_.params.max_depth} + 1, true};
+    if (integrator.name == "ao") return {"shade_ambient", 0, 1, false};
     SNELL_CHECK_LT(integrator.view, view_count);
-    return run_waves(batch, "shade_view", integrator.view, 1);
+    return {"shade_view", integrator.view, 1, false};
 }
 
-// Paths that have at most one continuation and one connection at each vertex. waves: no more than that.
-bool VulkanBackend::run_waves(const Batch& batch, const char* shade_name, uint which, std::uint64_t waves)
+// The next few waves of paths that have at most one continuation and one connection at each vertex.
+void VulkanBackend::record_waves(Flight& f)
 {
     Gpu& gpu = *scene_.gpu();
-    const GpuKernel extend = gpu.kernel("extend", scene_.trace_constants(job_.integrator.view == view_steps));
-    const GpuKernel connect = gpu.kernel("connect", scene_.trace_constants(false));
-    const GpuKernel shade = gpu.kernel(shade_name, scene_.shade_constants()), arrange = gpu.kernel("arrange");
-    std::uint64_t done = 0;
-    for (std::size_t alive = batch.paths(); alive > 0;) {
-        const uint count = static_cast<uint>(std::min<std::uint64_t>(waves_at_once, waves - done));
-        begin();
-        set_counters(alive);
-        if (done == 0) generate(batch);
-        commands_.stamp(1);
-        for (uint wave = 0; wave < count; ++wave) {
-            GpuPush push = parameters();
-            push.queue = wave & 1u;
-            push.wave = wave;
-            push.from_camera = done + wave == 0 ? 1 : 0;
-            dispatch_indirect(extend, push, offsetof(GpuCounters, path_groups) + 12 * wave);
-            commands_.stamp(2 + 3 * wave);
-            push.which = which;
-            dispatch_indirect(shade, push, offsetof(GpuCounters, path_groups) + 12 * wave);
-            dispatch(arrange, push, 1);
-            commands_.stamp(3 + 3 * wave);
-            push.which = 0; // connections add to the slots
-            dispatch_indirect(connect, push, offsetof(GpuCounters, connection_groups) + 12 * wave);
-            commands_.stamp(4 + 3 * wave);
+    const Waves all = waves();
+    const GpuKernel extend = trace_kernel("extend", job_.integrator.view == view_steps);
+    const GpuKernel connect = trace_kernel("connect", false), arrange = gpu.kernel("arrange");
+    const bool sorts = options_.sorts_by_material && all.can_be_sorted;
+    std::vector<std::uint32_t> constants = scene_.shade_constants();
+    if (sorts) constants.push_back(1);
+    const GpuKernel shade = gpu.kernel(all.shade, constants);
+    f.waves_now = static_cast<uint>(std::min<std::uint64_t>(waves_at_once, all.most - f.waves));
+    set_counters(f, f.alive);
+    f.commands.stamp(2);
+    if (f.waves == 0) generate(f, f.batch.samples);
+    f.commands.stamp(3);
+    for (uint wave = 0; wave < f.waves_now; ++wave) {
+        GpuPush push = parameters(f);
+        push.queue = wave & 1u;
+        push.wave = wave;
+        push.from_camera = f.waves + wave == 0 ? 1 : 0;
+        const std::size_t groups = offsetof(GpuCounters, path_groups) + 12 * wave;
+        dispatch_trace(f, extend, push, groups);
+        f.commands.stamp(4 + 3 * wave);
+        if (sorts) {
+            dispatch_indirect(f, gpu.kernel("sort_count"), push, groups);
+            dispatch_indirect(f, gpu.kernel("sort_place"), push, groups);
         }
-        copy_back(queues_->counters, queues_->counters_seen, sizeof(GpuCounters));
-        copy_back(queues_->slots, queues_->slots_seen, batch.paths() * sizeof(GpuSlot));
-        run();
-        stats_.generate_seconds += commands_.seconds(0, 1);
-        for (uint wave = 0; wave < count; ++wave) {
-            stats_.extend_seconds += commands_.seconds(1 + 3 * wave, 2 + 3 * wave);
-            stats_.shade_seconds += commands_.seconds(2 + 3 * wave, 3 + 3 * wave);
-            stats_.connect_seconds += commands_.seconds(3 + 3 * wave, 4 + 3 * wave);
-            stats_.extension_rays += counters().paths[wave + 1];
-            stats_.shadow_rays += counters().connections[wave];
-        }
-        done += count;
-        alive = done < waves ? counters().paths[count] : 0;
+        push.which = all.which;
+        dispatch_indirect(f, shade, push, groups);
+        dispatch(f, arrange, push, 1);
+        f.commands.stamp(5 + 3 * wave);
+        push.which = 0; // connections add to the slots
+        dispatch_trace(f, connect, push, offsetof(GpuCounters, connection_groups) + 12 * wave);
+        f.commands.stamp(6 + 3 * wave);
     }
-    return true;
+    copy_counters(f);
 }
 
-// Tests `rounds` connections of each of `count` paths; returns how many rays that took.
-std::size_t VulkanBackend::light_rounds(GpuPush push, std::size_t count, uint rounds)
+void VulkanBackend::count_waves(Flight& f)
 {
-    Gpu& gpu = *scene_.gpu();
-    const GpuKernel light = gpu.kernel("light_whitted", scene_.shade_constants()), arrange = gpu.kernel("arrange");
-    const GpuKernel connect = gpu.kernel("connect", scene_.trace_constants(false));
-    std::size_t rays = 0;
-    for (uint done = 0; done < rounds;) {
-        const uint now = std::min(rounds - done, waves_at_once);
-        begin();
-        set_counters(count);
-        for (uint round = 0; round < now; ++round) {
-            push.wave = round; // so that each round has a counter of its own
-            push.which = done + round;
-            dispatch(light, push, count);
-            dispatch(arrange, push, 1);
-            push.which = 1; // connections add to the paths' own slots
-            dispatch_indirect(connect, push, offsetof(GpuCounters, connection_groups) + 12 * round);
-        }
-        commands_.stamp(1);
-        copy_back(queues_->counters, queues_->counters_seen, sizeof(GpuCounters));
-        run();
-        stats_.connect_seconds += commands_.seconds(0, 1);
-        for (uint round = 0; round < now; ++round) rays += counters().connections[round];
-        done += now;
+    const GpuCounters& counters = f.queues->counters_read();
+    f.stats.generate_seconds += f.commands.seconds(2, 3);
+    for (uint wave = 0; wave < f.waves_now; ++wave) {
+        f.stats.extend_seconds += f.commands.seconds(3 + 3 * wave, 4 + 3 * wave);
+        f.stats.shade_seconds += f.commands.seconds(4 + 3 * wave, 5 + 3 * wave);
+        f.stats.connect_seconds += f.commands.seconds(5 + 3 * wave, 6 + 3 * wave);
+        f.stats.extension_rays += counters.paths[wave + 1];
+        f.stats.shadow_rays += counters.connections[wave];
     }
-    return rays;
 }
 
-bool VulkanBackend::run_whitted(const Batch& batch)
+// Before the batch's own paths: the samples that these start with stay where they are.
+void VulkanBackend::record_first_hits(Flight& f)
 {
     Gpu& gpu = *scene_.gpu();
-    const GpuKernel extend = gpu.kernel("extend", scene_.trace_constants(false));
-    const GpuKernel shade = gpu.kernel("shade_whitted", scene_.shade_constants()),
-                    gather = gpu.kernel("gather_whitted");
-    const GpuKernel sum = gpu.kernel("sum"), spread = gpu.kernel("spread"), enqueue = gpu.kernel("enqueue_whitted");
-    const SceneView view = job_.scene.view();
-    const uint rounds = view.delta_light_count + (view.light_count > view.delta_light_count ? 1 : 0) +
-                        (is_black(view.environment.radiance) ? 0 : 1);
-
-    GpuPush push = parameters();
-    std::size_t rays = 0, shadow_rays = 0;
-    for (std::size_t count = batch.paths(), wave = 0; count > 0; ++wave) {
-        push.count = static_cast<uint>(count);
-        push.wave = 0;
-        begin();
-        set_counters(count);
-        if (wave == 0) generate(batch);
-        commands_.stamp(1);
-        push.from_camera = wave == 0 ? 1 : 0;
-        dispatch(extend, push, count);
-        commands_.stamp(2);
-        dispatch(shade, push, count);
-        commands_.stamp(3);
-        copy_back(queues_->counters, queues_->counters_seen, sizeof(GpuCounters));
-        run();
-        stats_.generate_seconds += commands_.seconds(0, 1);
-        stats_.extend_seconds += commands_.seconds(1, 2);
-        stats_.shade_seconds += commands_.seconds(2, 3);
-        shadow_rays += light_rounds(push, count, rounds);
-
-        // What was found goes to the samples; the continuations find their places: sums upwards, then downwards.
-        begin();
-        push.count = static_cast<uint>(count);
-        push.wave = 0;
-        dispatch(gather, push, count);
-        std::vector<GpuPush> levels;
-        GpuPush level = push;
-        level.offset = 0;
-        for (;; level.count = (level.count + 63) / 64) {
-            level.to = level.offset + level.count;
-            levels.push_back(level);
-            if (level.count <= 64) break;
-            dispatch(sum, level, (level.count + 63) / 64);
-            level.offset = level.to;
-        }
-        levels.back().which = 1;
-        for (std::size_t i = levels.size(); i-- > 0;) dispatch(spread, levels[i], (levels[i].count + 63) / 64);
-        copy_back(queues_->counters, queues_->counters_seen, sizeof(GpuCounters));
-        copy_back(queues_->slots, queues_->slots_seen, batch.paths() * sizeof(GpuSlot));
-        run();
-        const std::size_t next = counters().paths[1];
-        if (next > queues_->capacity) return false;
-        rays += next;
-        if (next > 0) {
-            begin();
-            dispatch(enqueue, push, count);
-            run();
-        }
-        push.queue = 1 - push.queue;
-        count = next;
-    }
-    stats_.extension_rays += rays;
-    stats_.shadow_rays += shadow_rays;
-    return true;
-}
-
-void VulkanBackend::run_first_hits(const Batch& batch, Film& film)
-{
-    Gpu& gpu = *scene_.gpu();
-    const GpuKernel counted = gpu.kernel("extend", scene_.trace_constants(true));
-    const GpuKernel extend = gpu.kernel("extend", scene_.trace_constants(false));
+    const GpuKernel counted = trace_kernel("extend", true), extend = trace_kernel("extend", false);
     const GpuKernel record = gpu.kernel("record_hits", scene_.shade_constants()), arrange = gpu.kernel("arrange");
-    uint bounce = 0;
-    for (std::size_t alive = batch.paths(); alive > 0;) {
-        begin();
-        set_counters(alive);
-        if (bounce == 0) generate(batch);
-        for (uint wave = 0; wave < waves_at_once; ++wave) {
-            GpuPush push = parameters();
-            push.queue = wave & 1u;
-            push.wave = wave;
-            push.which = bounce + wave;
-            push.from_camera = push.which == 0 ? 1 : 0;
-            const std::size_t groups = offsetof(GpuCounters, path_groups) + 12 * wave;
-            dispatch_indirect(push.which == 0 ? counted : extend, push, groups);
-            dispatch_indirect(record, push, groups);
-            dispatch(arrange, push, 1);
-        }
-        bounce += waves_at_once;
-        copy_back(queues_->counters, queues_->counters_seen, sizeof(GpuCounters));
-        copy_back(*queues_->first_hits, *queues_->first_hits_seen, batch.paths() * sizeof(GpuFirstHit));
-        run();
-        alive = counters().paths[waves_at_once];
+    set_counters(f, f.alive);
+    if (f.waves == 0) generate(f, f.recorded);
+    for (uint wave = 0; wave < waves_at_once; ++wave) {
+        GpuPush push = parameters(f);
+        push.queue = wave & 1u;
+        push.wave = wave;
+        push.which = static_cast<uint>(f.waves) + wave;
+        push.from_camera = push.which == 0 ? 1 : 0;
+        const std::size_t groups = offsetof(GpuCounters, path_groups) + 12 * wave;
+        dispatch_trace(f, push.which == 0 ? counted : extend, push, groups);
+        dispatch_indirect(f, record, push, groups);
+        dispatch(f, arrange, push, 1);
     }
-
-    const auto* hits = static_cast<const GpuFirstHit*>(queues_->first_hits_seen->data);
-    const auto columns = static_cast<std::size_t>(batch.region.x1 - batch.region.x0);
-    parallel_for(batch.pixels, [&](std::size_t p) {
-        const std::size_t at = batch.first_pixel + p;
-        const std::size_t pixel =
-            (static_cast<std::size_t>(batch.region.y0) + at / columns) * static_cast<std::size_t>(film.width) +
-            static_cast<std::size_t>(batch.region.x0) + at % columns;
-        for (std::size_t i = p * batch.samples; i < (p + 1) * batch.samples; ++i) {
-            const GpuFirstHit& h = hits[i];
-            const FirstHit first = {h.albedo, h.normal, h.geometric_normal, h.position,
-                                    h.uv,     h.depth,  h.object,           h.material};
-            add_first_hit(film.layers, pixel, h.has_hit != 0u ? &first : nullptr, h.steps);
-            add_seen(film.layers, pixel, h.albedo, h.normal);
-        }
-    });
-}
-
-// ---- finalize ----
-
-static_assert(sizeof(GpuSlot) == sizeof(SampleSlot) &&
-              offsetof(GpuSlot, sees_through) == offsetof(SampleSlot, sees_through));
-
-void VulkanBackend::add_to_film(const Batch& batch, Film& film)
-{
-    const Timer timer;
-    const auto* slots = static_cast<const SampleSlot*>(queues_->slots_seen.data);
-    const auto columns = static_cast<std::size_t>(batch.region.x1 - batch.region.x0);
-    const std::size_t end = batch.first_pixel + batch.pixels;
-    const double share = batch_seconds_ / static_cast<double>(batch.pixels);
-    const std::size_t first_row = batch.first_pixel / columns;
-    parallel_for((end - 1) / columns - first_row + 1, [&](std::size_t i) { // row by row
-        const std::size_t row = first_row + i;
-        const std::size_t from = std::max(batch.first_pixel, row * columns), to = std::min(end, (row + 1) * columns);
-        const int y = batch.region.y0 + static_cast<int>(row);
-        const auto x_of = [&](std::size_t p) { return batch.region.x0 + static_cast<int>(p - row * columns); };
-        for (std::size_t p = from; p < to; ++p)
-            add_samples(film, job_.settings, x_of(p), y, batch.first_sample,
-                        {slots + (p - batch.first_pixel) * batch.samples, batch.samples}, film_mutex_);
-        add_time(film, {x_of(from), y, x_of(to), y + 1}, share * static_cast<double>(to - from));
-    });
-    stats_.finalize_seconds += timer.seconds();
+    copy_counters(f);
 }
 
 } // namespace snell

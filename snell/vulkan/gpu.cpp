@@ -202,6 +202,7 @@ Gpu::Commands::Commands(Gpu& gpu, std::uint32_t timestamps) : gpu_(gpu)
 
 Gpu::Commands::~Commands()
 {
+    if (runs_) vkWaitForFences(gpu_.device_, 1, &fence_, VK_TRUE, std::numeric_limits<std::uint64_t>::max());
     vkDestroyQueryPool(gpu_.device_, queries_, nullptr);
     vkDestroyFence(gpu_.device_, fence_, nullptr);
     vkDestroyCommandPool(gpu_.device_, pool_, nullptr);
@@ -219,7 +220,7 @@ void Gpu::Commands::begin()
     if (query_count_ > 0) vkCmdResetQueryPool(handle, queries_, 0, query_count_);
 }
 
-void Gpu::Commands::run()
+void Gpu::Commands::submit()
 {
     VkMemoryBarrier to_host{};
     to_host.sType = VK_STRUCTURE_TYPE_MEMORY_BARRIER;
@@ -232,10 +233,18 @@ void Gpu::Commands::run()
     submit.sType = VK_STRUCTURE_TYPE_SUBMIT_INFO;
     submit.commandBufferCount = 1;
     submit.pCommandBuffers = &handle;
+    if (gpu_.acts_lost) check_vulkan(VK_ERROR_DEVICE_LOST, "vkQueueSubmit");
     {
         const std::lock_guard lock(gpu_.queue_mutex_);
         check_vulkan(vkQueueSubmit(gpu_.queue_, 1, &submit, fence_), "vkQueueSubmit");
     }
+    runs_ = true;
+}
+
+void Gpu::Commands::wait()
+{
+    if (!runs_) return;
+    runs_ = false; // whatever comes of it: who has lost a device waits for nothing
     check_vulkan(vkWaitForFences(gpu_.device_, 1, &fence_, VK_TRUE, std::numeric_limits<std::uint64_t>::max()),
                  "vkWaitForFences");
     check_vulkan(vkResetFences(gpu_.device_, 1, &fence_), "vkResetFences");

@@ -3,6 +3,7 @@
 
 #include "snell/vulkan/instance.h"
 
+#include <atomic>
 #include <functional>
 #include <map>
 #include <span>
@@ -63,12 +64,16 @@ class Gpu
     GpuKernel kernel(std::string_view name, const std::vector<std::uint32_t>& constants = {});
     VkPipelineLayout layout() const { return layout_; } // of all kernels: GpuPush
 
+    // For tests: what is handed over fails from now on, as on a device that is lost.
+    std::atomic<bool> acts_lost = false;
+
     // Copies to a buffer, at once.
     void upload(const GpuBuffer& to, std::size_t offset, const void* data, std::size_t bytes);
     // The same for memory that the host cannot see: through a buffer that both see.
     void upload_by_copy(const GpuBuffer& to, std::size_t offset, const void* data, std::size_t bytes);
 
-    // One set of commands that is recorded and run again and again, by one thread at a time.
+    // One set of commands that is recorded and run again and again, by one thread at a time. Sets run in the order in
+    // which they are handed over.
     class Commands
     {
       public:
@@ -77,9 +82,16 @@ class Gpu
         Commands(const Commands&) = delete;
         Commands& operator=(const Commands&) = delete;
 
-        void begin();
-        // Runs what was recorded, and waits for it. Throws Error if the device is lost.
-        void run();
+        void begin(); // what was handed over has been waited for
+        // Hands over what was recorded, and returns at once. Throws DeviceLost if the device is.
+        void submit();
+        // Waits for it, if there is anything to wait for. Throws DeviceLost if the device is.
+        void wait();
+        void run()
+        {
+            submit();
+            wait();
+        }
 
         void bind(GpuKernel kernel) { vkCmdBindPipeline(handle, VK_PIPELINE_BIND_POINT_COMPUTE, kernel.pipeline); }
         void push(const void* parameters, std::size_t bytes);
@@ -89,7 +101,7 @@ class Gpu
         void barrier();
         // Notes the time when all before is done; see seconds(). Nothing where the device has no clock.
         void stamp(std::uint32_t number);
-        // After run(): between two stamps; 0 where the device has no clock.
+        // After wait(): between two stamps; 0 where the device has no clock.
         double seconds(std::uint32_t from, std::uint32_t to) const;
 
         VkCommandBuffer handle = VK_NULL_HANDLE;
@@ -100,6 +112,7 @@ class Gpu
         VkFence fence_ = VK_NULL_HANDLE;
         VkQueryPool queries_ = VK_NULL_HANDLE;
         std::uint32_t query_count_ = 0;
+        bool runs_ = false;
         std::vector<std::uint64_t> times_;
         std::vector<bool> stamped_;
     };

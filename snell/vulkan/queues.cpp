@@ -19,7 +19,7 @@ class Parts
     VkDeviceAddress next_;
 };
 
-constexpr std::size_t parts_at_most = 12;
+constexpr std::size_t parts_at_most = 14;
 } // namespace
 
 std::size_t Queues::count_words(std::size_t paths)
@@ -33,24 +33,22 @@ std::size_t Queues::bytes_of_path(QueueKinds kinds)
 {
     std::size_t bytes = 2 * (sizeof(Ray) + sizeof(PathState)) + sizeof(Hit) + sizeof(Connection);
     if (kinds.steps || kinds.first_hits) bytes += sizeof(uint);
-    if (kinds.branches) bytes += sizeof(GpuSlot) + sizeof(GpuBranches) + 5; // 5: of branch_counts
+    if (kinds.sorts) bytes += 2 * sizeof(uint);
+    if (kinds.branches) bytes += sizeof(SampleSlot) + sizeof(GpuBranches) + 5; // 5: of branch_counts
     return bytes;
 }
 
 Queues::Queues(const std::shared_ptr<Gpu>& gpu, std::size_t paths, QueueKinds wanted)
     : capacity(paths), kinds(wanted), counters(*gpu, sizeof(GpuCounters), GpuBuffer::Placement::device, "counters"),
-      counters_seen(*gpu, sizeof(GpuCounters), GpuBuffer::Placement::readback, "counters"),
-      slots(*gpu, paths * sizeof(GpuSlot), GpuBuffer::Placement::device, "samples"),
-      slots_seen(*gpu, paths * sizeof(GpuSlot), GpuBuffer::Placement::readback, "samples"), gpu_(gpu),
+      counters_seen(*gpu, sizeof(GpuCounters) + sizeof(GpuDropped), GpuBuffer::Placement::readback, "counters"),
+      slots(*gpu, paths * sizeof(SampleSlot), GpuBuffer::Placement::device, "samples"), gpu_(gpu),
       paths_(*gpu, paths * bytes_of_path(kinds) + 4 * 64 + parts_at_most * 256, GpuBuffer::Placement::device,
              "paths on their way"),
       job_(*gpu, sizeof(GpuJob), GpuBuffer::Placement::device, "parameters")
 {
     if (!kinds.first_hits) return;
-    const std::size_t bytes = paths * sizeof(GpuFirstHit);
-    first_hits = std::make_unique<GpuBuffer>(*gpu, bytes, GpuBuffer::Placement::device, "the pictures of first hits");
-    first_hits_seen =
-        std::make_unique<GpuBuffer>(*gpu, bytes, GpuBuffer::Placement::readback, "the pictures of first hits");
+    first_hits = std::make_unique<GpuBuffer>(*gpu, paths * sizeof(GpuFirstHit), GpuBuffer::Placement::device,
+                                             "the pictures of first hits");
 }
 
 void Queues::describe(GpuJob& job)
@@ -63,8 +61,12 @@ void Queues::describe(GpuJob& job)
     job.hits.address = parts.take(capacity * sizeof(Hit));
     job.connections.address = parts.take(capacity * sizeof(Connection));
     if (kinds.steps || kinds.first_hits) job.steps.address = parts.take(capacity * sizeof(uint));
+    if (kinds.sorts) {
+        job.bins.address = parts.take(capacity * sizeof(uint));
+        job.sorted.address = parts.take(capacity * sizeof(uint));
+    }
     if (kinds.branches) {
-        job.lit.address = parts.take(capacity * sizeof(GpuSlot));
+        job.lit.address = parts.take(capacity * sizeof(SampleSlot));
         job.branches.address = parts.take(capacity * sizeof(GpuBranches));
         job.branch_counts.address = parts.take(count_words(capacity) * sizeof(uint));
     }

@@ -1,6 +1,7 @@
 // The memory that the stages of a render work on.
 #pragma once
 
+#include "snell/vulkan/device_film.h"
 #include "snell/vulkan/scene.h"
 
 namespace snell {
@@ -8,7 +9,7 @@ namespace snell {
 // Which of the queues there are, beside those of all renders.
 struct QueueKinds
 {
-    bool steps = false, branches = false, first_hits = false;
+    bool steps = false, branches = false, first_hits = false, sorts = false;
     bool operator==(const QueueKinds&) const = default;
 };
 
@@ -28,9 +29,19 @@ class Queues
 
     const std::size_t capacity;
     const QueueKinds kinds;
-    const GpuBuffer counters, counters_seen; // GpuCounters on the device, and for the host
-    const GpuBuffer slots, slots_seen;       // GpuSlot, likewise
-    std::unique_ptr<GpuBuffer> first_hits, first_hits_seen;
+    const GpuBuffer counters;              // GpuCounters on the device
+    const GpuBuffer counters_seen;         // for the host: GpuCounters, and GpuDropped behind them
+    const GpuBuffer slots;                 // SampleSlot
+    std::unique_ptr<GpuBuffer> first_hits; // GpuFirstHit
+    std::unique_ptr<DeviceFilm> film;      // of the picture that was last rendered with these
+
+    // What the host has seen last.
+    const GpuCounters& counters_read() const { return *static_cast<const GpuCounters*>(counters_seen.data); }
+    const GpuDropped& dropped_read() const
+    {
+        return *reinterpret_cast<const GpuDropped*>(static_cast<const std::byte*>(counters_seen.data) +
+                                                    sizeof(GpuCounters));
+    }
 
   private:
     const std::shared_ptr<Gpu> gpu_;

@@ -13,7 +13,7 @@ RayBatch::RayBatch(VulkanScene& scene, std::span<const Ray> rays)
       states_(*scene.gpu(), count_ * sizeof(PathState), on_device, "rays"),
       hits_(*scene.gpu(), count_ * sizeof(Hit), on_device, "hits"),
       connections_(*scene.gpu(), count_ * sizeof(Connection), on_device, "rays"),
-      slots_(*scene.gpu(), count_ * sizeof(GpuSlot), on_device, "hits"),
+      slots_(*scene.gpu(), count_ * sizeof(SampleSlot), on_device, "hits"),
       counters_(*scene.gpu(), sizeof(GpuCounters), on_device, "counters"),
       job_(*scene.gpu(), sizeof(GpuJob), on_device, "parameters"), commands_(*scene.gpu(), 2)
 {
@@ -90,8 +90,8 @@ std::vector<Hit> RayBatch::hits() const
 
 std::vector<std::uint8_t> RayBatch::blocked() const
 {
-    std::vector<GpuSlot> slots(count_);
-    read(slots_, slots.data(), count_ * sizeof(GpuSlot));
+    std::vector<SampleSlot> slots(count_);
+    read(slots_, slots.data(), count_ * sizeof(SampleSlot));
     std::vector<std::uint8_t> blocked(count_);
     for (std::size_t i = 0; i < count_; ++i) blocked[i] = slots[i].layers[layer_direct].x == 0.0f;
     return blocked;

@@ -3,10 +3,21 @@
 #include "snell/vulkan/shaders/stage.glsl"
 #include "snell/vulkan/shaders/trace.glsl"
 
-void main()
+layout(constant_id = 6) const uint takes_blocks = 0u; // 1: the workgroups fetch connections until there are no more
+
+shared uint taken;
+
+uint take_block()
 {
-    uint i = gl_GlobalInvocationID.x;
-    if (i >= job.counters.at[0].connections[push.wave]) return;
+    if (gl_LocalInvocationIndex == 0u) taken = atomicAdd(job.counters.at[0].connections_taken[push.wave], group_size);
+    barrier();
+    uint first = taken;
+    barrier(); // before the next one is taken
+    return first;
+}
+
+void connect(uint i)
+{
     SceneView scene = job.scene;
     Connection c = job.connections.at[i];
     if (is_blocked(scene, c.ray, c.seed)) return;
@@ -15,4 +26,16 @@ void main()
         job.slots.at[c.slot].layers[c.layer] += c.value;
     else
         job.lit.at[c.slot].layers[c.layer] += c.value;
+}
+
+void main()
+{
+    uint count = job.counters.at[0].connections[push.wave];
+    uint first = takes_blocks != 0u ? take_block() : gl_WorkGroupID.x * group_size;
+    while (first < count) {
+        uint i = first + gl_LocalInvocationIndex;
+        if (i < count) connect(i);
+        if (takes_blocks == 0u) break;
+        first = take_block();
+    }
 }

@@ -11,7 +11,7 @@ void main()
     uint y = push.y0 + pixel / push.columns;
     CameraPath path = generate_camera_path(job.params, x, y, push.first_sample + slot % push.samples, slot);
     store_path(0u, slot, path.ray, path.state);
-    GpuSlot empty;
+    SampleSlot empty;
     for (int layer = 0; layer < 3; ++layer) empty.layers[layer] = vec3(0.0f);
     // What the camera does not see stays in the queue, with a ray that hits nothing and is not shaded. The rims of a lens
     // are black, not transparent.

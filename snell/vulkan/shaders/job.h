@@ -2,7 +2,7 @@
 // are device addresses, 8 bytes on both sides.
 #ifndef SNELL_VULKAN_SHADERS_JOB_H
 #define SNELL_VULKAN_SHADERS_JOB_H
-#include "snell/kernel/path_state.h"
+#include "snell/kernel/film.h"
 
 #ifdef __cplusplus
 #include <cstdint>
@@ -51,14 +51,7 @@ struct GpuTree
 SNELL_LAYOUT(GpuTree, 56)
 SNELL_BUFFER(TreeBuffer, GpuTree)
 
-// The radiance of one sample, by layer.
-struct GpuSlot
-{
-    vec3 layers[3];
-    uint sees_through; // 1: the camera ray met nothing, and no environment to be seen
-};
-SNELL_LAYOUT(GpuSlot, 40)
-SNELL_BUFFER(SlotBuffer, GpuSlot)
+SNELL_BUFFER(SlotBuffer, SampleSlot)
 
 // What the pictures beside the colour record of one sample: FirstHit, and what led to it.
 struct GpuFirstHit
@@ -76,6 +69,44 @@ struct GpuFirstHit
 SNELL_LAYOUT(GpuFirstHit, 76)
 SNELL_BUFFER(FirstHitBuffer, GpuFirstHit)
 
+// Pixels that have lost samples which are not finite, as many as a film keeps.
+SNELL_CONST uint dropped_pixels = 16u;
+
+// What has been left out of the film.
+struct GpuDropped
+{
+    uint samples;
+    uint sample_number, pixel; // of one of them
+    vec3 radiance;             // of that sample
+    uint pixels[16];           // the first ones of the film, in ascending order; none: there are no more
+};
+SNELL_LAYOUT(GpuDropped, 88)
+SNELL_BUFFER(DroppedBuffer, GpuDropped)
+
+struct GpuPixelLayers
+{
+    PixelLight light;
+    PixelHits hits;
+};
+SNELL_LAYOUT(GpuPixelLayers, 116)
+SNELL_BUFFER(PixelSumsBuffer, PixelSums)
+SNELL_BUFFER(PixelLayersBuffer, GpuPixelLayers)
+
+// The film: pixels of a part of the picture, row by row.
+struct GpuFilm
+{
+    PixelSumsBuffer sums;
+    PixelLayersBuffer layers;
+    DroppedBuffer dropped;
+    uint x0, y0, columns;
+    uint has_layers;
+};
+SNELL_LAYOUT(GpuFilm, 40)
+
+// Paths that are sorted by material: a bin for each kind, and the last one for those that have met nothing.
+SNELL_CONST uint sort_bins = 8u;
+SNELL_CONST uint bin_of_misses = material_kinds;
+
 // How many there are of what the stages hand on, wave by wave, and the workgroups for them.
 struct GpuCounters
 {
@@ -83,8 +114,12 @@ struct GpuCounters
     uint connections[8];  // that the wave has made
     uint path_groups[27]; // three numbers for each wave: what vkCmdDispatchIndirect reads
     uint connection_groups[24];
+    uint paths_taken[8];       // by workgroups that fetch them
+    uint connections_taken[8]; // the same
+    uint bin_sizes[64];        // sorting by material: eight for each wave
+    uint bin_filled[64];
 };
-SNELL_LAYOUT(GpuCounters, 272)
+SNELL_LAYOUT(GpuCounters, 848)
 SNELL_BUFFER(CountersBuffer, GpuCounters)
 
 // The two continuations that Whitted's renderer may have at a surface, before they find their places in the queue.
@@ -107,6 +142,7 @@ struct GpuJob
     StateBuffer states_0, states_1;
     HitBuffer hits; // of the paths of the wave
     WordBuffer steps;
+    WordBuffer bins, sorted; // sorting by material: by path, its bin; then the paths in order
     ConnectionBuffer connections;
     SlotBuffer slots;          // by sample of the batch
     SlotBuffer lit;            // Whitted's renderer: by path of the wave
@@ -114,11 +150,12 @@ struct GpuJob
     WordBuffer branch_counts;  // the same: 0 to 2; then sums over 64 of them, and so on
     FirstHitBuffer first_hits; // by sample of the batch
     CountersBuffer counters;
+    GpuFilm film;
     GpuTree world; // that of what lies in world space
     GpuTree first; // where rays begin: the tree over the instances, or the world's where there are none
     RenderParams params;
 };
-SNELL_LAYOUT(GpuJob, 688)
+SNELL_LAYOUT(GpuJob, 744)
 SNELL_BUFFER(JobBuffer, GpuJob)
 
 // What differs between dispatches.
@@ -130,11 +167,11 @@ struct GpuPush
     uint from_camera;  // 1: the paths are camera rays
     uint which;        // view_*, or the number of a connection or bounce
     uint count;        // of items, where the counters do not say it
-    uint first_pixel;  // generate: of the batch, counted in the rows of the region
-    uint first_sample; // generate
-    uint samples;      // generate: of each pixel
-    uint x0, y0;       // generate: of the region
-    uint columns;      // generate: of the region
+    uint first_pixel;  // generate, finalize: of the batch, counted in the rows of the region
+    uint first_sample; // the same
+    uint samples;      // the same: of each pixel
+    uint x0, y0;       // the same: of the region
+    uint columns;      // the same: of the region
     uint offset;       // scan: of the sums that are read, in branch_counts
     uint to;           // scan: of the sums that are written
     uint pad0;

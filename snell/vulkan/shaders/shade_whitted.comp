@@ -9,7 +9,7 @@ void main()
     if (i >= push.count) return;
     PathState state = load_state(i);
     Hit hit = job.hits.at[i];
-    GpuSlot lit;
+    SampleSlot lit;
     for (uint layer = 0u; layer < layer_count; ++layer) lit.layers[layer] = vec3(0.0f);
     lit.sees_through = 0u;
     if (!camera_sees(load_ray(i))) {

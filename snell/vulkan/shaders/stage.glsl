@@ -68,6 +68,15 @@ void note_escape(PathState state, Hit hit)
     job.slots.at[state.slot].sees_through = 1u;
 }
 
+// The place in the film of a batch's pixel.
+uint film_pixel(uint p)
+{
+    uint place = push.first_pixel + p;
+    uint x = push.x0 + place % push.columns;
+    uint y = push.y0 + place / push.columns;
+    return (y - job.film.y0) * job.film.columns + (x - job.film.x0);
+}
+
 bool is_in_wave(uint i)
 {
     return i < job.counters.at[0].paths[push.wave];

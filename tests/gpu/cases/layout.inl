@@ -2,6 +2,7 @@
 // Here `scene` is pattern_scene(); RAW(Array) are 65536 such words seen as an array.
 #ifndef TWIN_CASES
 #include "snell/kernel/bounds.h"
+#include "snell/kernel/film.h"
 #include "snell/kernel/lens_system.h"
 #include "snell/kernel/scene_view.h"
 #include "tests/gpu/draw.h"
@@ -16,6 +17,10 @@ SNELL_ARRAY(TwinParams, RenderParams)
 SNELL_ARRAY(TwinStates, PathState)
 SNELL_ARRAY(TwinConnections, Connection)
 SNELL_ARRAY(TwinBoxes, Aabb)
+SNELL_ARRAY(TwinSlots, SampleSlot)
+SNELL_ARRAY(TwinPixelSums, PixelSums)
+SNELL_ARRAY(TwinPixelLights, PixelLight)
+SNELL_ARRAY(TwinPixelHits, PixelHits)
 SNELL_END
 #else
 
@@ -255,6 +260,37 @@ TWIN(layout_path, 0.0f, 0.0f, 0.0f)
     uint i = index_below(4600u);
     give_state(RAW(TwinStates).at[i]);
     give_connection(RAW(TwinConnections).at[i]);
+}
+TWIN(layout_film, 0.0f, 0.0f, 0.0f)
+{
+    uint i = index_below(800u);
+    SampleSlot s = RAW(TwinSlots).at[i];
+    give(s.layers[0]);
+    give(s.layers[1]);
+    give(s.layers[2]);
+    give(s.sees_through);
+    PixelSums p = RAW(TwinPixelSums).at[i];
+    give(p.sum);
+    give(p.square_sum);
+    give(p.excess);
+    give(p.sample_count);
+    give(p.seen_through);
+    PixelLight l = RAW(TwinPixelLights).at[i];
+    give(l.emission);
+    give(l.direct);
+    give(l.indirect);
+    PixelHits h = RAW(TwinPixelHits).at[i];
+    give(h.albedo);
+    give(h.normal);
+    give(h.geometric_normal);
+    give(h.position);
+    give(h.uv);
+    give(h.depth);
+    give(h.steps);
+    give(h.object);
+    give(h.material);
+    give(h.hit_count);
+    give(h.sample_count);
 }
 
 #endif
