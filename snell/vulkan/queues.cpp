@@ -20,6 +20,7 @@ class Parts
 };
 
 constexpr std::size_t parts_at_most = 14;
+static_assert(material_kinds < sort_bins); // a bin for each, and one for misses
 } // namespace
 
 std::size_t Queues::count_words(std::size_t paths)

@@ -124,6 +124,22 @@ TEST(GpuFilm, HasWholePixelsWhenItStops)
     EXPECT_EQ(stopped.film.sample_count.back(), 1u);
 }
 
+// Batches of the same pixels follow each other, and paths of a later one may be at their ends first.
+TEST(GpuFilm, GetsThePixelsSamplesInTheirOrder)
+{
+    SNELL_NEEDS_GPU();
+    RenderSettings settings = settings_for("path");
+    settings.spp = 2048;
+    const auto prepared = prepare(mixed_scene(), settings);
+    Bare together(*prepared, settings), apart(*prepared, settings);
+    const Region few{20, 20, 26, 24};
+    together.backend.render_samples(few, 0, settings.spp, together.film, go_on);
+    for (uint sample = 0; sample < settings.spp; sample += 64)
+        apart.backend.render_samples(few, sample, 64, apart.film, go_on);
+    expect_same_film(apart.film, together.film);
+    EXPECT_EQ(samples_of(together.film), 24u * settings.spp);
+}
+
 TEST(GpuFilm, LeavesOutWhatIsNotFinite)
 {
     SNELL_NEEDS_GPU();
