@@ -195,7 +195,7 @@ bool VulkanBackend::run_batch(const Batch& batch)
     stats_.camera_rays += batch.paths();
     stats_.samples += batch.paths();
     const IntegratorInfo& integrator = job_.integrator;
-    if (integrator.name == "path" || integrator.name == "furnace")
+    if (traces_paths(integrator))
         return run_waves(batch, "shade_path", 0, std::uint64_t{job_.params.max_depth} + 1);
     if (integrator.name == "ao") return run_waves(batch, "shade_ambient", 0, 1);
     if (integrator.name == "whitted") {
