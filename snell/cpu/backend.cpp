@@ -71,7 +71,7 @@ static void run_integrator(const StageContext& context, const IntegratorInfo& in
 {
     if (integrator.radiance) return run_custom(context, batch, integrator.radiance);
     const std::string& name = integrator.name;
-    if (name == "path" || name == "furnace") return run_path(context, batch);
+    if (traces_paths(integrator)) return run_path(context, batch);
     if (name == "whitted") return run_whitted(context, batch);
     if (name == "ao") return run_ambient_occlusion(context, batch);
     SNELL_CHECK_LT(integrator.view, view_count);

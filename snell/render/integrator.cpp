@@ -39,6 +39,10 @@ static std::vector<IntegratorInfo>& registry()
          {depth, "nee=1  0: do not sample the lights", "mis=1  0: light sampling alone where both could find a light",
           "rr=1  0: no Russian roulette"},
          {}},
+        {"direct",
+         "direct light alone: path tracing that ends after one bounce",
+         {"nee=1  0: do not sample the lights", "mis=1  0: light sampling alone where both could find a light"},
+         {}},
         {"whitted",
          "Whitted 1980: direct light with shadows, perfect reflection and refraction",
          {"max_depth=12  number of reflections and refractions that are followed, direct light not counted"},
@@ -82,6 +86,11 @@ void register_integrator(std::string name, std::string summary, RadianceFunction
 std::span<const IntegratorInfo> integrators()
 {
     return registry();
+}
+
+bool traces_paths(const IntegratorInfo& integrator)
+{
+    return integrator.name == "path" || integrator.name == "direct" || integrator.name == "furnace";
 }
 
 const IntegratorInfo* find_integrator(std::string_view name)

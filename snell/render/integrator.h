@@ -59,4 +59,7 @@ void register_integrator(std::string name, std::string summary, RadianceFunction
 std::span<const IntegratorInfo> integrators();
 const IntegratorInfo* find_integrator(std::string_view name);
 
+// Whether it is the path tracer, under whatever name; what sets them apart is in their parameters.
+bool traces_paths(const IntegratorInfo& integrator);
+
 } // namespace snell

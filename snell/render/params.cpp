@@ -78,6 +78,7 @@ ReadyParams make_render_params(const RenderSettings& settings, const IntegratorI
     const double depth = value("max_depth", integrator.name == "whitted" ? 12.0 : 0.0, parse_whole_number);
     params.max_depth =
         depth == 0 && integrator.name != "whitted" ? unlimited_depth : static_cast<uint>(std::min(depth, 1000.0));
+    if (integrator.name == "direct") params.max_depth = 1;
     if (value("nee", true, parse_switch)) params.flags |= render_nee;
     if (value("mis", true, parse_switch)) params.flags |= render_mis;
     if (value("rr", true, parse_switch)) params.flags |= render_roulette;

@@ -29,7 +29,7 @@ void VulkanBackend::dispatch_trace(Flight& f, GpuKernel kernel, const GpuPush& p
 VulkanBackend::Waves VulkanBackend::waves() const
 {
     const IntegratorInfo& integrator = job_.integrator;
-    if (integrator.name == "path" || integrator.name == "furnace")
+    if (traces_paths(integrator))
         return {"shade_path", 0, std::uint64_t{job_.params.max_depth} + 1, true};
     if (integrator.name == "ao") return {"shade_ambient", 0, 1, false};
     SNELL_CHECK_LT(integrator.view, view_count);

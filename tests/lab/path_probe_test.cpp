@@ -50,7 +50,7 @@ TEST(PathProbe, RadianceIsTheRenderersToTheBit)
     std::size_t samples = 0, lit = 0, indirect = 0;
     for (const auto& [name, scene] : scenes()) {
         const auto prepared = prepare(scene, tiny("path"));
-        for (const char* integrator : {"path", "whitted", "ao", "furnace", "normals", "steps", "primitive"}) {
+        for (const char* integrator : {"path", "direct", "whitted", "ao", "furnace", "normals", "steps", "primitive"}) {
             const bool is_light = std::string(integrator) == "path" || std::string(integrator) == "whitted";
             const RenderSettings settings = tiny(integrator);
             std::mt19937 random(7);

@@ -6,9 +6,9 @@
 namespace snell::test {
 namespace {
 
-const char* const all_integrators[] = {"path",   "whitted",  "ao",       "furnace",           "normals", "uv",
-                                       "depth",  "albedo",   "steps",    "geometric-normals", "facing",  "barycentrics",
-                                       "object", "instance", "material", "primitive"};
+const char* const all_integrators[] = {"path",         "direct", "whitted",  "ao",       "furnace",           "normals",
+                                       "uv",           "depth",  "albedo",   "steps",    "geometric-normals", "facing",
+                                       "barycentrics", "object", "instance", "material", "primitive"};
 
 class Invariance : public testing::TestWithParam<const char*>
 {
@@ -26,12 +26,11 @@ class Invariance : public testing::TestWithParam<const char*>
     Film reference_;
 };
 
-INSTANTIATE_TEST_SUITE_P(, Invariance, testing::ValuesIn(all_integrators),
-                         [](const auto& integrator) {
-                             std::string name = integrator.param;
-                             std::replace(name.begin(), name.end(), '-', '_');
-                             return name;
-                         });
+INSTANTIATE_TEST_SUITE_P(, Invariance, testing::ValuesIn(all_integrators), [](const auto& integrator) {
+    std::string name = integrator.param;
+    std::replace(name.begin(), name.end(), '-', '_');
+    return name;
+});
 
 TEST_P(Invariance, PictureShowsSomething)
 {

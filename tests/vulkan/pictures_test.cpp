@@ -3,79 +3,11 @@
 #include "snell/kernel/views.h"
 #include "snell/render/integrator.h"
 #include "snell/render/rendering.h"
-#include "snell/scene/builtin.h"
 #include "snell/scene/camera_models.h"
-#include "tests/render/scenes.h"
-#include "tests/vulkan/gpu_test.h"
-
-#include <cmath>
+#include "tests/vulkan/pictures.h"
 
 namespace snell::test {
 namespace {
-
-RenderSettings gpu_settings(RenderSettings settings)
-{
-    settings.device = test_device();
-    return settings;
-}
-
-// A pixel agrees if its colour does to a part in a thousand: rounding differs along a path of several surfaces. Where a
-// comparison of floats goes the other way (an edge, a lobe, the roulette), a path goes its own way from there on.
-bool agree(vec3 a, vec3 b)
-{
-    for (int i = 0; i < 3; ++i)
-        if (!(std::abs(a[i] - b[i]) <= 1e-3f * std::max(std::abs(a[i]), std::abs(b[i])) + 1e-5f)) return false;
-    return true;
-}
-
-double share_of_others(const std::vector<vec3>& a, const std::vector<vec3>& b)
-{
-    std::size_t others = 0;
-    for (std::size_t i = 0; i < a.size(); ++i) others += !agree(a[i], b[i]);
-    return static_cast<double>(others) / static_cast<double>(a.size());
-}
-
-// Less than half a percent of pixels with one sample may be other paths.
-void expect_same_picture(const Scene& scene, RenderSettings settings, double allowed = 0.005)
-{
-    SCOPED_TRACE(settings.integrator);
-    settings.accel = "bvh8q";
-    const RenderResult on_cpu = render(scene, settings);
-    const RenderResult on_gpu = render(scene, gpu_settings(settings));
-    ASSERT_EQ(on_gpu.film.sample_count, on_cpu.film.sample_count);
-    EXPECT_LT(share_of_others(on_gpu.film.sum, on_cpu.film.sum), allowed);
-    EXPECT_EQ(on_gpu.stats.camera_rays, on_cpu.stats.camera_rays);
-    EXPECT_EQ(on_gpu.stats.samples, on_cpu.stats.samples);
-    const auto close = [](std::uint64_t a, std::uint64_t b) {
-        return std::abs(static_cast<double>(a) - static_cast<double>(b)) <= 0.01 * static_cast<double>(b) + 8;
-    };
-    EXPECT_TRUE(close(on_gpu.stats.extension_rays, on_cpu.stats.extension_rays))
-        << on_gpu.stats.extension_rays << " " << on_cpu.stats.extension_rays;
-    EXPECT_TRUE(close(on_gpu.stats.shadow_rays, on_cpu.stats.shadow_rays))
-        << on_gpu.stats.shadow_rays << " " << on_cpu.stats.shadow_rays;
-    EXPECT_EQ(on_gpu.film.dropped_samples, on_cpu.film.dropped_samples);
-    EXPECT_EQ(on_gpu.film.seen_through, on_cpu.film.seen_through);
-}
-
-RenderSettings one_sample(const std::string& integrator)
-{
-    RenderSettings settings;
-    settings.width = 56;
-    settings.height = 40;
-    settings.spp = 1;
-    settings.integrator = integrator;
-    return settings;
-}
-
-Scene small_builtin(const BuiltinScene& builtin)
-{
-    Scene scene = builtin.make_with != nullptr ? builtin.make_with(builtin.name == "field"         ? 2000
-                                                                   : builtin.name == "many-lights" ? 40
-                                                                                                   : 3)
-                                               : builtin.make();
-    complete(scene, 1.4f);
-    return scene;
-}
 
 TEST(GpuPictures, BuiltInScenes)
 {
@@ -249,19 +181,8 @@ TEST(GpuPictures, AllMeansAreThoseOfTheCpu)
         const Film cpu = render(principled_scene(), settings).film;
         settings.seed = 2;
         const Film gpu = render(principled_scene(), gpu_settings(settings)).film;
-        constexpr int block = 8;
-        for (int y0 = 0; y0 < cpu.height; y0 += block)
-            for (int x0 = 0; x0 < cpu.width; x0 += block) {
-                double difference = 0, variance = 0;
-                for (int y = y0; y < y0 + block; ++y)
-                    for (int x = x0; x < x0 + block; ++x) {
-                        const auto i = static_cast<std::size_t>(y * cpu.width + x);
-                        difference += static_cast<double>(luminance(gpu.sum[i])) / gpu.sample_count[i] -
-                                      static_cast<double>(luminance(cpu.sum[i])) / cpu.sample_count[i];
-                        variance += cpu.mean_variance(i) + gpu.mean_variance(i);
-                    }
-                EXPECT_LT(std::abs(difference), 3 * std::sqrt(variance) + 1e-6) << "block " << x0 << "," << y0;
-            }
+        const Blocks blocks = compare_blocks(cpu, gpu);
+        EXPECT_EQ(blocks.beyond_three, 0) << blocks.worst;
     }
 }
 
