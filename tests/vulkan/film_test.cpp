@@ -153,7 +153,7 @@ TEST(GpuFilm, LeavesOutWhatIsNotFinite)
             prepared->packed.materials[i].emission.y = std::numeric_limits<float>::infinity();
             prepared->packed.materials[i].base_color.x = std::numeric_limits<float>::quiet_NaN();
         }
-        prepared->device->update();
+        prepared->device->update({});
         Rendering on_gpu(*prepared, settings, prepared->camera);
         on_gpu.add_samples(on_gpu.region(), 0, 5, go_on);
         on_gpu.add_samples(on_gpu.region(), 5, settings.spp - 5, go_on);
