@@ -229,6 +229,11 @@ TEST(List, NamesEverythingThatRenderTakes)
         EXPECT_EQ(program.run(with(small, {"--integrator", integrator})).code, 0) << integrator;
     for (const std::string& accel : names("accels"))
         EXPECT_EQ(program.run(with(small, {"--accel", accel})).code, 0) << accel;
+    EXPECT_EQ(names("gpu_parameters").size(), 2u);
+    for (const std::string& parameter : names("gpu_parameters")) { // name=default, on every device
+        EXPECT_EQ(program.run(with(small, {"-D", parameter})).code, 0) << parameter;
+        EXPECT_EQ(program.run(with(small, {"-D", parameter + "x"})).code, 2) << parameter;
+    }
     for (const std::string& sampler : names("samplers"))
         EXPECT_EQ(program.run(with(small, {"--sampler", sampler})).code, 0) << sampler;
     for (const std::string& curve : names("tone_curves"))
