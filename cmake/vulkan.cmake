@@ -23,6 +23,15 @@ file(GLOB sources CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/snell/vulkan/*.cpp)
 list(FILTER sources EXCLUDE REGEX "absent\\.cpp$")
 target_sources(libsnell PRIVATE ${sources})
 target_link_libraries(libsnell PUBLIC Vulkan::Vulkan)
+find_package(SPIRV-Tools QUIET)
+find_package(SPIRV-Tools-opt QUIET)
+if(SPIRV-Tools-opt_FOUND)
+    target_link_libraries(libsnell PRIVATE SPIRV-Tools-opt)
+    set_source_files_properties(${PROJECT_SOURCE_DIR}/snell/vulkan/specialise.cpp PROPERTIES
+        COMPILE_DEFINITIONS SNELL_HAS_SPIRV_OPT)
+else()
+    message(STATUS "GPU kernels start more slowly: install spirv-tools to have them cut to the scene")
+endif()
 
 # Not optimised by glslc: its optimiser (2023.2) makes invalid SPIR-V of structs that hold addresses, and drivers optimise
 # anyway. Each .comp file becomes an array of words, and all of them one table: name, code.

@@ -77,6 +77,45 @@ void write_cache(const std::filesystem::path& path, const std::vector<char>& byt
 }
 } // namespace
 
+// Kernels that are ready for some scene, one file each; all of them go when there are many.
+constexpr std::size_t most_kept_kernels = 512;
+constexpr std::uint64_t kept_format = 1; // to be raised when they are made ready otherwise
+
+// A kernel as drivers get it. is_final: its constants have their values.
+static std::vector<std::uint32_t> ready_code(std::string_view name, const std::vector<std::uint32_t>& constants,
+                                             bool& is_final)
+{
+    const std::span<const std::uint32_t> words = kernel_code(name);
+    Hash128 hash = hash_bytes(words.data(), words.size_bytes());
+    hash = hash_bytes(constants.data(), constants.size() * sizeof(constants[0]), hash.low ^ hash.high ^ kept_format);
+    const std::filesystem::path folder = cache_folder();
+    const std::filesystem::path path = folder.empty() ? folder : folder / "kernels" / (to_hex(hash) + ".spv");
+    is_final = true;
+    if (!path.empty())
+        if (const std::vector<char> bytes = read_cache(path); !bytes.empty()) {
+            std::vector<std::uint32_t> code(bytes.size() / sizeof(std::uint32_t));
+            std::memcpy(code.data(), bytes.data(), code.size() * sizeof(std::uint32_t));
+            return code;
+        }
+    // Kernels round as they are written, on every device: hits and pictures are then as near to the CPU's as can be,
+    // and neighbouring triangles agree about their common vertices.
+    std::vector<std::uint32_t> code =
+        without_unrolling(with_no_contraction(std::vector<std::uint32_t>(words.begin(), words.end())));
+    std::vector<std::uint32_t> final_code = specialised(code, constants);
+    is_final = !final_code.empty();
+    if (!is_final) return code;
+    if (!path.empty()) {
+        std::error_code ignored;
+        std::size_t kept = 0;
+        for ([[maybe_unused]] const auto& file : std::filesystem::directory_iterator(path.parent_path(), ignored))
+            ++kept;
+        if (kept >= most_kept_kernels) std::filesystem::remove_all(path.parent_path(), ignored);
+        const auto* data = reinterpret_cast<const char*>(final_code.data());
+        write_cache(path, std::vector<char>(data, data + final_code.size() * sizeof(std::uint32_t)));
+    }
+    return final_code;
+}
+
 std::span<const std::uint32_t> kernel_code(std::string_view name)
 {
     for (const Kernel& kernel : kernels)
@@ -112,11 +151,8 @@ GpuKernel Gpu::kernel(std::string_view name, const std::vector<std::uint32_t>& c
     VkPipeline& pipeline = pipelines_[{std::string(name), constants}];
     if (pipeline != VK_NULL_HANDLE) return {pipeline};
 
-    // Kernels round as they are written, on every device: hits and pictures are then as near to the CPU's as can be,
-    // and neighbouring triangles agree about their common vertices.
-    const std::span<const std::uint32_t> words = kernel_code(name);
-    const std::vector<std::uint32_t> code =
-        without_unrolling(with_no_contraction(std::vector<std::uint32_t>(words.begin(), words.end())));
+    bool is_final = false;
+    const std::vector<std::uint32_t> code = ready_code(name, constants, is_final);
     VkShaderModuleCreateInfo module_info{};
     module_info.sType = VK_STRUCTURE_TYPE_SHADER_MODULE_CREATE_INFO;
     module_info.codeSize = code.size() * sizeof(std::uint32_t);
@@ -135,7 +171,7 @@ GpuKernel Gpu::kernel(std::string_view name, const std::vector<std::uint32_t>& c
     info.stage.stage = VK_SHADER_STAGE_COMPUTE_BIT;
     info.stage.module = module;
     info.stage.pName = "main";
-    info.stage.pSpecializationInfo = constants.empty() ? nullptr : &specialization;
+    info.stage.pSpecializationInfo = is_final || constants.empty() ? nullptr : &specialization;
     info.layout = layout_;
     const VkResult result = vkCreateComputePipelines(device_, cache_, 1, &info, nullptr, &pipeline);
     vkDestroyShaderModule(device_, module, nullptr);
