@@ -24,8 +24,9 @@ struct VulkanMessages
 };
 
 // From now on, instances are created with the validation layers (core and synchronisation), and what they have to say
-// is kept there. For tests, before anything else uses Vulkan. Throws Error if the layers are not installed.
-void validate_vulkan(std::shared_ptr<VulkanMessages> messages);
+// is kept there. in_kernels: also checks of each address that a kernel reads or writes (GPU-assisted validation), which
+// takes minutes to compile. For tests, before anything else uses Vulkan. Throws Error if the layers are not installed.
+void validate_vulkan(std::shared_ptr<VulkanMessages> messages, bool in_kernels = false);
 
 struct VulkanDevice
 {
@@ -35,6 +36,7 @@ struct VulkanDevice
     VkPhysicalDeviceMemoryProperties memory{};
     VkDeviceSize max_allocation = 0; // bytes
     bool has_timestamps = false;
+    std::size_t buffer_margin = 0; // bytes behind each buffer
     GpuInfo info;
 };
 

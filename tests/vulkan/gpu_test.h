@@ -16,6 +16,12 @@ const std::string& test_device();
 // What the validation layers have said so far.
 const VulkanMessages& validation_messages();
 
+// The same, which then are no failure of the tests.
+std::vector<std::string> take_validation_messages();
+
+// The layers also check what kernels do: SNELL_TEST_KERNELS is 1.
+bool kernels_are_checked();
+
 // In tests with no device to run on.
 #define SNELL_NEEDS_GPU()                                                                                              \
     if (test_device().empty()) GTEST_SKIP() << "there is no Vulkan device"

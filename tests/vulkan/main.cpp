@@ -4,11 +4,13 @@
 
 #include <cstdio>
 #include <cstdlib>
+#include <utility>
 
 namespace snell::test {
 
 static std::shared_ptr<VulkanMessages> messages = std::make_shared<VulkanMessages>();
 static std::string device, device_title;
+static bool checks_kernels = false;
 
 const std::string& test_device()
 {
@@ -18,6 +20,30 @@ const std::string& test_device()
 const VulkanMessages& validation_messages()
 {
     return *messages;
+}
+
+std::vector<std::string> take_validation_messages()
+{
+    const std::lock_guard lock(messages->mutex);
+    return std::exchange(messages->texts, {});
+}
+
+bool kernels_are_checked()
+{
+    return checks_kernels;
+}
+
+// Without the layers nothing is checked, which is said.
+static void start_validation()
+{
+    const char* wanted = std::getenv("SNELL_TEST_KERNELS");
+    const bool in_kernels = wanted != nullptr && std::string(wanted) == "1";
+    try {
+        validate_vulkan(messages, in_kernels);
+        checks_kernels = in_kernels;
+    } catch (const Error& error) {
+        std::printf("%s\n", error.what());
+    }
 }
 
 bool rounds_exactly()
@@ -64,11 +90,7 @@ int main(int argc, char** argv)
     testing::InitGoogleTest(&argc, argv);
     if (const char* scratch = std::getenv("TEST_TMPDIR")) // what is cached for the tests is no user's
         setenv("XDG_CACHE_HOME", scratch, 1);
-    try {
-        snell::validate_vulkan(snell::test::messages);
-    } catch (const snell::Error& error) {
-        std::printf("%s\n", error.what());
-    }
+    snell::test::start_validation();
     snell::test::choose_test_device();
     testing::AddGlobalTestEnvironment(new snell::test::OneDevice);
     return RUN_ALL_TESTS();
