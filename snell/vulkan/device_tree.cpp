@@ -11,6 +11,11 @@ namespace snell {
 // Scratch memory of up to so many primitives is kept for the next build: that of trees over instances, mostly.
 constexpr std::size_t kept_primitives = std::size_t{1} << 18;
 
+// Trees over more primitives are built by several submissions: none may take seconds even on a slow GPU, whose driver
+// would take it for hanging.
+constexpr std::size_t primitives_at_once = std::size_t{1} << 20;
+constexpr uint rounds_at_once = 4;
+
 // Behind the last block: what rays find in the place of children that are not there.
 constexpr std::size_t spare_lines = 4;
 
@@ -167,6 +172,14 @@ void TreeBuilder::dispatch_indirect(const char* kernel, const BuildPush& push, s
     commands_.barrier();
 }
 
+// A place where a long row of commands may be parted.
+void TreeBuilder::part(std::size_t count)
+{
+    if (count <= primitives_at_once) return;
+    commands_.run();
+    commands_.begin();
+}
+
 void TreeBuilder::run_and_read_counters(std::size_t count)
 {
     const VkBufferCopy copy{0, 0, count * sizeof(BuildCounters)};
@@ -236,6 +249,7 @@ void TreeBuilder::record_sort(const BuildPush& job, std::size_t count)
         dispatch("scan_words", push, 1);
         push.count = static_cast<uint>(blocks);
         dispatch("radix_place", push, blocks * group_size);
+        part(count);
     }
 }
 
@@ -253,6 +267,7 @@ void TreeBuilder::record_joins(const BuildPush& job, std::size_t count)
         dispatch_indirect("join_count", push, offsetof(BuildCounters, block_groups));
         dispatch("join_scan", push, 1);
         dispatch_indirect("join_merge", push, offsetof(BuildCounters, block_groups));
+        if (push.round % rounds_at_once == 0) part(count);
     }
 }
 

@@ -72,6 +72,7 @@ class TreeBuilder
     void put(const GpuBuffer& to, std::size_t offset, const void* data, std::size_t bytes);
     void dispatch(const char* kernel, const BuildPush& push, std::size_t items);
     void dispatch_indirect(const char* kernel, const BuildPush& push, std::size_t offset);
+    void part(std::size_t count);
     void run_and_read_counters(std::size_t count = 1);
     void reserve_jobs(std::size_t count);
     static std::size_t groups_of(const DeviceTree& tree);
