@@ -75,10 +75,10 @@ Ceilings measure_ceilings(Gpu& gpu, int runs)
     {
         VkDeviceAddress result;
         std::uint32_t rounds;
-    } push = {to.address, 512};
+    } push = {to.address, 128};
     const std::size_t items = std::size_t{1} << (gpu.is_processor() ? 14 : 21);
     const GpuKernel kernel = gpu.kernel("arithmetic");
-    ceilings.flops_per_second = 2.0 * 32.0 * push.rounds * static_cast<double>(items) /
+    ceilings.flops_per_second = 2.0 * 128.0 * push.rounds * static_cast<double>(items) /
                                 median(time_commands(gpu, runs, [&](Gpu::Commands& commands) {
                                     commands.bind(kernel);
                                     commands.push(&push, sizeof(push.result) + sizeof(push.rounds));
