@@ -4,11 +4,10 @@
 #include "snell/io/image/read.h"
 #include "snell/io/load.h"
 #include "snell/render/render.h"
+#include "tests/image/reference_files.h"
 #include "tests/stat/chi_square.h"
 
 #include <gtest/gtest.h>
-
-#include <filesystem>
 
 namespace snell::test {
 namespace {
@@ -19,23 +18,6 @@ struct Reference
     double relative_mse; // of the reference itself
     uint spp;
 };
-
-// NAME.pbrt and NAME.exr: beside this file, or, for the bunny's, which may not be copied, in ../shared/reference. Both
-// are empty where they are not there.
-struct ReferenceFiles
-{
-    std::filesystem::path scene, picture;
-};
-
-ReferenceFiles find_reference(const std::string& name)
-{
-    const std::filesystem::path ours = SNELL_SOURCE_DIR "/tests/image/reference";
-    const std::filesystem::path others = SNELL_SOURCE_DIR "/../shared/reference";
-    if (exists(ours / (name + ".pbrt"))) return {ours / (name + ".pbrt"), ours / (name + ".exr")};
-    if (exists(others / "scenes" / (name + ".pbrt")))
-        return {others / "scenes" / (name + ".pbrt"), others / (name + ".exr")};
-    return {};
-}
 
 constexpr int size = 256, tile = 16;
 

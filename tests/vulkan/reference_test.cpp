@@ -2,9 +2,8 @@
 // are the same, its means where they are others, and the means of pbrt's converged pictures.
 #include "snell/io/image/read.h"
 #include "snell/io/load.h"
+#include "tests/image/reference_files.h"
 #include "tests/vulkan/pictures.h"
-
-#include <filesystem>
 
 namespace snell::test {
 namespace {
@@ -16,17 +15,6 @@ struct GpuReference
     const char* name;
     uint spp;
 };
-
-// Beside the references or, for the bunny's, which may not be copied, in ../shared/reference: the scene, the picture.
-std::pair<std::filesystem::path, std::filesystem::path> find_reference(const std::string& name)
-{
-    const std::filesystem::path ours = SNELL_SOURCE_DIR "/tests/image/reference";
-    const std::filesystem::path others = SNELL_SOURCE_DIR "/../shared/reference";
-    if (exists(ours / (name + ".pbrt"))) return {ours / (name + ".pbrt"), ours / (name + ".exr")};
-    if (exists(others / "scenes" / (name + ".pbrt")))
-        return {others / "scenes" / (name + ".pbrt"), others / (name + ".exr")};
-    return {};
-}
 
 RenderSettings small_square(uint spp, uint seed)
 {

@@ -59,6 +59,26 @@ void set_address(Array& array, VkDeviceAddress address)
     std::memcpy(&array.at, &address, sizeof(address));
 }
 
+// What lies in the world of a scene, for a builder.
+struct Primitives
+{
+    Primitives(Gpu& gpu, const PackedScene& scene)
+        : positions(gpu, scene.positions.data(), scene.positions.size()),
+          triangles(gpu, scene.triangles.data(), scene.triangles.size()),
+          balls(gpu, scene.spheres.data(), scene.spheres.size())
+    {
+        set_address(input.scene.positions, positions.memory.address);
+        set_address(input.scene.triangles, triangles.memory.address);
+        set_address(input.scene.spheres, balls.memory.address);
+        input.group = scene.world;
+    }
+
+    const Copied<vec3> positions;
+    const Copied<Triangle> triangles;
+    const Copied<Sphere> balls;
+    TreeBuilder::Input input;
+};
+
 // Refits the host's tree on the device and on the host, and compares every byte.
 template <class Node>
 void expect_same_refit(PackedScene& scene, std::uint32_t layout, const std::function<void()>& change)
@@ -78,17 +98,10 @@ void expect_same_refit(PackedScene& scene, std::uint32_t layout, const std::func
     EXPECT_EQ(listed, tree.nodes.size());
 
     change();
-    const Copied positions(*gpu, scene.positions.data(), scene.positions.size());
-    const Copied triangles(*gpu, scene.triangles.data(), scene.triangles.size());
-    const Copied balls(*gpu, scene.spheres.data(), scene.spheres.size());
-    TreeBuilder::Input input;
-    set_address(input.scene.positions, positions.memory.address);
-    set_address(input.scene.triangles, triangles.memory.address);
-    set_address(input.scene.spheres, balls.memory.address);
-    input.group = scene.world;
+    const Primitives primitives(*gpu, scene);
     TreeBuilder builder(gpu, layout);
     DeviceTree* const trees[] = {&on_device};
-    builder.refit(trees, {&input, 1});
+    builder.refit(trees, {&primitives.input, 1});
     refit(scene, tree);
 
     if (rounds_exactly()) {
@@ -228,17 +241,10 @@ std::vector<T> read_array(Gpu& gpu, const GpuBuffer& memory, std::size_t count)
 Built build_on_device(const PackedScene& scene)
 {
     const std::shared_ptr<Gpu> gpu = Gpu::open(test_device());
-    const Copied positions(*gpu, scene.positions.data(), scene.positions.size());
-    const Copied triangles(*gpu, scene.triangles.data(), scene.triangles.size());
-    const Copied balls(*gpu, scene.spheres.data(), scene.spheres.size());
-    TreeBuilder::Input input;
-    set_address(input.scene.positions, positions.memory.address);
-    set_address(input.scene.triangles, triangles.memory.address);
-    set_address(input.scene.spheres, balls.memory.address);
-    input.group = scene.world;
+    const Primitives primitives(*gpu, scene);
     TreeBuilder builder(gpu, layout_quantised);
     Built built;
-    builder.build(built.tree, input);
+    builder.build(built.tree, primitives.input);
     if (built.tree.on_device.root == word_done) return built;
     built.nodes = read_array<QuantisedNode>(*gpu, *built.tree.node_memory, built.tree.nodes);
     built.lines = read_array<Line>(*gpu, *built.tree.line_memory, built.tree.line_memory->bytes / sizeof(Line));

@@ -1,5 +1,6 @@
 // What the kernels that build and refit trees share.
 #include "snell/vulkan/shaders/build.h"
+#include "snell/vulkan/shaders/child_words.glsl"
 
 layout(local_size_x = 64) in; // group_size
 layout(push_constant, scalar) uniform Parameters
@@ -14,15 +15,6 @@ uint item_index() { return group_index() * 64u + gl_LocalInvocationIndex; }
 
 #define job push.job.at[0]
 #define counters job.counters.at[0]
-
-// Child words, as in snell/bvh/node.h.
-const uint word_done = 0xffffffffu;
-const uint word_world = 0xfffffffdu;
-const uint child_index_mask = 0x3fffffffu;
-const uint kind_node = 0u;
-const uint kind_block = 1u;
-const uint kind_sphere_block = 2u;
-const uint kind_instance = 3u;
 
 // Floats as integers of the same order, and back.
 uint order_of_float(float x)

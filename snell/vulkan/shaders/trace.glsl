@@ -5,6 +5,7 @@
 #include "snell/kernel/coverage.h"
 #include "snell/kernel/features.h"
 #include "snell/kernel/intersect.h"
+#include "snell/vulkan/shaders/child_words.glsl"
 
 layout(constant_id = 1) const uint tree_layout = 1u;     // layout_*
 layout(constant_id = 2) const uint triangle_test = 0u;   // test_*
@@ -15,14 +16,6 @@ layout(constant_id = 5) const uint counts_steps = 0u;    // 1: steps are counted
 const uint query_closest = 0u;
 const uint query_any = 1u;
 const uint query_next = 2u; // closest behind a given hit
-
-// Child words, as in snell/bvh/node.h.
-const uint word_done = 0xffffffffu;
-const uint word_world = 0xfffffffdu;
-const uint child_index_mask = 0x3fffffffu;
-const uint kind_node = 0u;
-const uint kind_block = 1u;
-const uint kind_sphere_block = 2u;
 
 layout(buffer_reference, scalar, buffer_reference_align = 16) readonly buffer QuadArray
 {
